@@ -1,0 +1,41 @@
+// The exact start (theory.md, 6): weigh many independent paths by I / p_ind, and draw again those that the host resampled in
+// proportion to it. A path is named by its group and number, so only weights leave the device.
+#include "chain_state.cl"
+
+#define PURPOSE_BOOTSTRAP 0u
+
+float log_path_weight(Scene *scene, uint seed, uint group, uint number, int length, int ending, Path *path, Radiance *radiance, float *log_p) {
+    Rng rng = rng_open(seed, number, group, PURPOSE_BOOTSTRAP);
+    if (!sample_path(scene, length, ending, &rng, path)) return LOG_ZERO;
+    *radiance = integrand(scene, path);
+    *log_p = log_independent_density(scene, path);
+    float weight = radiance->log_i - *log_p;
+    return isfinite(weight) ? weight : LOG_ZERO;
+}
+
+__kernel void weigh_candidates(SCENE_PARAMETERS, uint seed, uint group, int length, int ending, uint first, uint count, __global float *log_weights) {
+    uint index = get_global_id(0);
+    if (index >= count) return;
+    Scene scene = SCENE_BUNDLE;
+    Path path;
+    Radiance radiance;
+    float log_p;
+    log_weights[index] = log_path_weight(&scene, seed, group, first + index, length, ending, &path, &radiance, &log_p);
+}
+
+__kernel void start_chains(SCENE_PARAMETERS, uint seed, uint chains, __global const ChainStart *starts, __global ChainState *states) {
+    uint index = get_global_id(0);
+    if (index >= chains) return;
+    Scene scene = SCENE_BUNDLE;
+    Path path;
+    Radiance radiance;
+    ChainStart start = starts[index];
+    __global ChainState *state = &states[index];
+    float log_p;
+    log_path_weight(&scene, seed, start.group, start.number, start.length, start.ending, &path, &radiance, &log_p);
+    store_path(&path, state);
+    state->slot = start.slot;
+    state->log_i = radiance.log_i;
+    state->log_p = log_p;
+    vstore3(colour_over_luminance(&radiance), 0, state->colour);
+}

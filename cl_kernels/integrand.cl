@@ -1,0 +1,51 @@
+// The integrand C of theory.md, 1, in solid-angle measure, for the lobes of the path's signature:
+//
+//     C = W(v_1) prod_i f_i(-v_i, v_{i+1}) |n_i.v_{i+1}| times I_e / |y - x_N|^2 (connect) or L_e (hit)
+//
+// kept as a colour and a logarithm, C = colour * exp(log_scale): near-mirrors and narrow holes overflow float32 otherwise.
+// Visibility is the business of whoever built the path.
+#ifndef PYLMC_INTEGRAND
+#define PYLMC_INTEGRAND
+
+#include "camera.cl"
+#include "emitters.cl"
+#include "lobes.cl"
+
+#define LOG_ZERO -INFINITY
+
+typedef struct {
+    float3 colour;   // C / exp(log_scale)
+    float log_i;     // log of I = luminance of C, the chain's target density; LOG_ZERO where C = 0
+} Radiance;
+
+float3 colour_over_luminance(const Radiance *c) { return c->colour / luminance(c->colour); }
+
+Radiance integrand(const Scene *scene, const Path *path) {
+    Radiance c;
+    c.log_i = LOG_ZERO;
+    c.colour = (float3)(1.0f);
+    float importance = camera_importance(scene, path->vertex[1].v);
+    if (!(importance > 0.0f)) return c;
+    float log_scale = log(importance);
+    for (int i = 1; i < path->length; i++) {
+        float scale;
+        c.colour *= lobe_value(scene, &path->vertex[i], -path->vertex[i].v, path->vertex[i + 1].v, &scale);
+        if (!(scale > 0.0f)) return c;
+        log_scale += log(scale);
+    }
+    const Vertex *last = &path->vertex[path->length];
+#if HAS_POINTS
+    if (path->ending == ENDING_CONNECT) {
+        c.colour *= vec3(scene->points[path->light].intensity);
+        log_scale -= 2.0f * log(last->t);
+    }
+#endif
+#if HAS_EMITTERS
+    if (path->ending == ENDING_HIT) c.colour *= emitted_radiance(scene, last, last->v);
+#endif
+    float brightness = luminance(c.colour);
+    if (brightness > 0.0f) c.log_i = log_scale + log(brightness);
+    return c;
+}
+
+#endif

@@ -1,0 +1,374 @@
+"""The `pylmc` command.
+
+Whatever a person got wrong comes out as one line, ``pylmc: error: …``, with exit code 2. An interrupted command exits
+with 130; an interrupted render writes the picture so far first.
+"""
+
+from __future__ import annotations
+
+import argparse
+import inspect
+import math
+import os
+import re
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+from .errors import PylmcError
+from .settings import CHARTS, COORDINATES, INTEGRATORS, MAX_DEPTH, PRECISIONS, RULES
+
+__all__ = ["main"]
+
+DEFAULT_SECONDS = 60.0
+INTERRUPTED = 130
+
+EPILOG = """\
+examples:
+  pylmc render keyhole -o keyhole.exr --seconds 120
+  pylmc render keyhole:hole=0.02,roughness=0.01 -o small.exr --size 512x512
+  pylmc render truck.glb --auto-camera --auto-light -o truck.exr
+  pylmc render box -o reference.exr --integrator path --mutations-per-pixel 4000
+  pylmc info keyhole
+  pylmc compare keyhole.exr reference.exr -o difference.png
+
+SCENE is a built-in scene (`pylmc scenes` lists them), such as keyhole, with parameters after a colon if wanted:
+keyhole:hole=0.01,roughness=0.005; or the path of a .gltf or .glb file.
+
+`pylmc COMMAND --help` explains a command. Bad input gives one line on stderr and exit code 2.
+"""
+
+
+class _Parser(argparse.ArgumentParser):
+    """argparse, with its complaints as PylmcError: one line, without the usage."""
+
+    def error(self, message: str) -> NoReturn:
+        raise PylmcError(f"{message} (see `{self.prog} --help`)")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command with ``arguments`` (``sys.argv[1:]`` if None) and return its exit code."""
+    try:
+        options = _parser().parse_args(arguments)
+        code: int = options.run(options)
+        sys.stdout.flush()
+        return code
+    except PylmcError as error:
+        print(f"pylmc: error: {' '.join(str(error).split())}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("pylmc: interrupted; nothing was written", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:  # the reader of `pylmc … | head` has left; Python must not complain about it at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+
+
+# --- commands ---------------------------------------------------------------------------------------------------------
+
+
+def _render(options: argparse.Namespace) -> int:
+    _refuse_contradictions(options)
+    scene_name, parameters = parse_scene(options.scene)
+    output = check_output(options.output or Path(f"{Path(scene_name).stem}.exr"))
+    import pylmc
+
+    from . import devices
+
+    devices.select(options.device)  # complain about the device before a scene is loaded
+    scene = pylmc.load(scene_name, auto_camera=options.auto_camera, auto_light=options.auto_light, **parameters)
+    if options.size:
+        scene = scene.with_size(*options.size)
+    seconds = options.seconds
+    if seconds is None and options.mutations_per_pixel is None:
+        seconds = DEFAULT_SECONDS
+    picture = pylmc.render(
+        scene,
+        seconds=seconds,
+        mutations_per_pixel=options.mutations_per_pixel,
+        seed=options.seed,
+        device=options.device,
+        precision=options.precision,
+        integrator=options.integrator,
+        max_depth=options.max_depth,
+        progress=not options.quiet,
+        **_sampler_options(options),
+    )
+    try:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        written = picture.save(output)
+    except OSError as error:
+        raise PylmcError(f"cannot write {output}: {error.strerror or error}") from None
+    interrupted = bool(picture.diagnostics.get("interrupted"))
+    if interrupted:
+        print("pylmc: interrupted; the picture so far was written", file=sys.stderr)
+    if not options.quiet:
+        print("wrote", ", ".join(str(path) for path in written))
+    return INTERRUPTED if interrupted else 0
+
+
+def _info(options: argparse.Namespace) -> int:
+    scene_name, parameters = parse_scene(options.scene)
+    import pylmc
+
+    scene = pylmc.load(scene_name, auto_camera=options.auto_camera, auto_light=options.auto_light, **parameters)
+    if options.size:
+        scene = scene.with_size(*options.size)
+    print(pylmc.info(scene, max_depth=options.max_depth, **_sampler_options(options)))
+    return 0
+
+
+def _compare(options: argparse.Namespace) -> int:
+    for path in (options.a, options.b):
+        if not path.is_file():
+            raise PylmcError(f"{path} does not exist or is not a file")
+    picture = check_output(options.output, (".png",)) if options.output else None
+    from .compare import compare
+
+    try:
+        if picture:
+            picture.parent.mkdir(parents=True, exist_ok=True)
+        figures = compare(options.a, options.b, picture)
+    except OSError as error:
+        raise PylmcError(f"cannot compare {options.a} and {options.b}: {error}") from None
+    width = max(map(len, figures))
+    for name, value in figures.items():
+        print(f"{name:<{width}}  {value:.6g}")
+    if picture:
+        print(f"wrote {picture}")
+    return 0
+
+
+def _devices(options: argparse.Namespace) -> int:
+    from . import devices
+
+    devices.refresh()
+    working, broken = devices.usable(), devices.rejected()
+    default = devices.select(None) if working else None
+    for index, info in enumerate(working):
+        is_default = default is not None and devices.describes(info, default)
+        abilities = [name for name, has in (("fp64", info.fp64), ("int64 atomics", info.int64_atomics)) if has]
+        print(f"{'*' if is_default else ' '} {index}  {info.kind}  {info.label}")
+        print(f"       {info.compute_units} compute units, {info.memory / 2**30:.1f} GiB, driver {info.driver}"
+              f"{', ' if abilities else ''}{', '.join(abilities)}")  # fmt: skip
+    if working:
+        print("(* is used unless --device says otherwise: cpu, gpu, a number, or part of a name)")
+    if broken:
+        print("not usable:")
+    for item in broken:
+        print(f"  {item.label}: {item.reason}")
+    if not working:
+        devices.select(None)  # raises, with the remedy
+    return 0
+
+
+def _scenes(options: argparse.Namespace) -> int:
+    from .loading import BUILT_IN, parameters, scene_module
+
+    for name in BUILT_IN:
+        defaults = ",".join(f"{key}={value}" for key, value in parameters(name).items())
+        summary = (inspect.getdoc(scene_module(name)) or "").partition("\n")[0]
+        print(f"{name}{':' if defaults else ''}{defaults}\n    {summary}")
+    return 0
+
+
+# --- reading arguments ------------------------------------------------------------------------------------------------
+
+
+def parse_scene(text: str) -> tuple[str, dict[str, Any]]:
+    """A SCENE argument as a name or path and its parameters; raises PylmcError for a malformed or missing one."""
+    from .loading import BUILT_IN
+
+    name, colon, rest = text.partition(":")
+    if name not in BUILT_IN and Path(text).exists():
+        if Path(text).is_dir():
+            raise PylmcError(f"scene '{text}' is a folder; name a .gltf or .glb file in it")
+        return text, {}
+    if not re.fullmatch(r"[A-Za-z_]\w*", name):
+        raise PylmcError(f"scene '{text}': no such file; give a path, or a built-in scene (`pylmc scenes`)")
+    parameters: dict[str, Any] = {}
+    for part in rest.split(",") if colon else []:
+        key, equals, value = (piece.strip() for piece in part.partition("="))
+        if not (equals and value and re.fullmatch(r"[A-Za-z_]\w*", key)):
+            raise PylmcError(f"scene '{text}': '{part}' is not of the form name=value")
+        if key in ("name_or_path", "auto_camera", "auto_light"):  # load()'s own, which no scene has
+            raise PylmcError(f"scene '{text}' has no parameter '{key}'")
+        if key in parameters:
+            raise PylmcError(f"scene '{text}': parameter '{key}' is given twice")
+        parameters[key] = _value(value, f"scene '{text}': parameter '{key}'")
+    return name, parameters
+
+
+def _value(text: str, what: str) -> int | float | bool | str:
+    if text.lower() in ("true", "false"):
+        return text.lower() == "true"
+    try:
+        return int(text)
+    except ValueError:
+        pass
+    try:
+        number = float(text)
+    except ValueError:
+        return text
+    if not math.isfinite(number):
+        raise PylmcError(f"{what} is {text}; give a finite number")
+    return number
+
+
+def check_output(path: Path, endings: tuple[str, ...] = (".exr",)) -> Path:
+    """``path``, if a file can be written there (its folder may have to be made); else PylmcError."""
+    if path.suffix.lower() not in endings:
+        raise PylmcError(f"output '{path}' must end in {' or '.join(endings)}")
+    for file in (path, path.with_suffix(".png"), path.with_suffix(".json")):
+        if file.is_dir():
+            raise PylmcError(f"output '{file}' is a folder")
+        if file.exists() and not os.access(file, os.W_OK):
+            raise PylmcError(f"output '{file}' exists and may not be overwritten")
+    folder = path.absolute().parent
+    while not folder.exists():
+        folder = folder.parent
+    if not folder.is_dir():
+        raise PylmcError(f"output '{path}': {folder} is not a folder")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise PylmcError(f"output '{path}': the folder {folder} may not be written to")
+    return path
+
+
+def _refuse_contradictions(options: argparse.Namespace) -> None:
+    if options.precision != "single":
+        raise PylmcError(f"--precision {options.precision} is not available yet: use --precision single")
+    if options.integrator != "lmc":
+        for name in ("chart", "coordinates", "rule", "drift"):
+            if getattr(options, name) is not None:
+                raise PylmcError(f"--{name} is about the Markov chain and has no meaning with "
+                                 f"--integrator {options.integrator}; leave one of them out")  # fmt: skip
+
+
+def _sampler_options(options: argparse.Namespace) -> dict[str, Any]:
+    """Those options of the Markov chain that were given; the API knows the defaults of the others."""
+    names = ("chart", "coordinates", "rule", "drift")
+    return {name: getattr(options, name) for name in names if getattr(options, name, None) is not None}
+
+
+def _size(text: str) -> tuple[int, int]:
+    match = re.fullmatch(r"(\d+)[xX×](\d+)", text)
+    if not match or not all(int(side) for side in match.groups()):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a size; give WIDTHxHEIGHT in pixels, such as 640x480")
+    return int(match[1]), int(match[2])
+
+
+def _positive(text: str) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not (math.isfinite(number) and number > 0):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a positive number")
+    return number
+
+
+def _depth(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= MAX_DEPTH:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a path length; give a number of segments, 1 to {MAX_DEPTH}")
+    return int(text)
+
+
+def _seed(text: str) -> int:
+    if not text.isdecimal() or int(text) >= 2**64:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a seed; give a whole number from 0 to 2^64-1")
+    return int(text)
+
+
+# --- the parser -------------------------------------------------------------------------------------------------------
+
+
+def _parser() -> argparse.ArgumentParser:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        installed = version("pylmc")
+    except PackageNotFoundError:  # run from a checkout that was not installed
+        installed = "unknown"
+    parser = _Parser(
+        prog="pylmc",
+        description="Markov-chain light transport on any OpenCL device, with constraint-preconditioned proposals.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action="version", version=f"pylmc {installed}")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True, title="commands")
+
+    def command(name: str, run: Any, summary: str, more: str = "") -> argparse.ArgumentParser:
+        sub = commands.add_parser(
+            name,
+            help=summary,
+            description=f"{summary[0].upper()}{summary[1:]}.{more}",
+            allow_abbrev=False,
+        )
+        sub.set_defaults(run=run)
+        return sub
+
+    render = command(
+        "render",
+        _render,
+        "draw a scene and write OUT.exr, OUT.png and OUT.json",
+        " Ctrl-C ends it early and still writes the picture so far (exit code 130).",
+    )
+    _add_scene(render)
+    render.add_argument("-o", "--output", type=Path, metavar="OUT.exr",
+                        help="linear RGB picture; the tone-mapped .png and the figures in .json go beside it "
+                             "(default: the scene's name in this folder)")  # fmt: skip
+    effort = render.add_mutually_exclusive_group()
+    effort.add_argument("--seconds", type=_positive, metavar="S",
+                        help=f"time to sample, in seconds, set-up excluded (default: {DEFAULT_SECONDS:g})")  # fmt: skip
+    effort.add_argument("--mutations-per-pixel", type=_positive, metavar="M",
+                        help="effort instead of time: Markov-chain steps, or samples, per pixel")  # fmt: skip
+    render.add_argument("--seed", type=_seed, default=0, metavar="N", help="of the random numbers (default: 0)")
+    render.add_argument("--device", metavar="SPEC",
+                        help="cpu, gpu, an index or part of a name, as `pylmc devices` shows them (default: "
+                             "PYOPENCL_CTX if set, else the first GPU, else the first CPU)")  # fmt: skip
+    render.add_argument("--precision", choices=PRECISIONS, default="single",
+                        help="of the arithmetic (default: single; the others are not available yet)")  # fmt: skip
+    render.add_argument("--integrator", choices=INTEGRATORS, default="lmc",
+                        help="Markov chains (lmc), their independent bidirectional sampler alone (bdpt), or a "
+                             "unidirectional path tracer (path) (default: lmc)")  # fmt: skip
+    _add_chain(render)
+    render.add_argument("--quiet", action="store_true", help="no progress bar and no report")
+
+    info = command("info", _info, "say how a scene would be sampled: path lengths, lobes, constraints")
+    _add_scene(info)
+    _add_chain(info)
+
+    compare = command("compare", _compare, "measure how far picture A.exr is from the reference B.exr",
+                      " Prints relMSE, MSE, MAE, SMAPE and FLIP.")  # fmt: skip
+    compare.add_argument("a", type=Path, metavar="A.exr", help="the picture to judge")
+    compare.add_argument("b", type=Path, metavar="B.exr", help="the reference, of the same size")
+    compare.add_argument("-o", "--output", type=Path, metavar="DIFF.png", help="write a picture of the differences")
+
+    command("devices", _devices, "list the OpenCL devices that work, and why the others do not")
+    command("scenes", _scenes, "list the built-in scenes with their parameters' default values")
+    return parser
+
+
+def _add_scene(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scene", metavar="SCENE", help="a built-in scene (`pylmc scenes`), with parameters if wanted: "
+                        "keyhole:hole=0.01,roughness=0.005; or a .gltf or .glb file")  # fmt: skip
+    parser.add_argument("--size", type=_size, metavar="WxH", help="of the film, in pixels (default: the scene's)")
+    parser.add_argument("--max-depth", type=_depth, default=8, metavar="K",
+                        help=f"longest light path, in segments, 1 to {MAX_DEPTH} (default: 8)")  # fmt: skip
+    parser.add_argument("--auto-camera", action="store_true", help="frame a file's scene that has no camera")
+    parser.add_argument("--auto-light", action="store_true", help="light a file's scene that has no light")
+
+
+def _add_chain(parser: argparse.ArgumentParser) -> None:
+    chain = parser.add_argument_group("the Markov chain (with --integrator lmc)")
+    chain.add_argument("--chart", choices=CHARTS,
+                       help="of the deviations from a lobe's reference direction (default: equal-area)")  # fmt: skip
+    chain.add_argument("--coordinates", choices=COORDINATES,
+                       help="target charts where they help, or deviations everywhere (default: target)")  # fmt: skip
+    chain.add_argument("--rule", choices=RULES,
+                       help="how constraints are combined (default: sum)")  # fmt: skip
+    chain.add_argument("--drift", action="store_true", default=None,
+                       help="let proposals drift along the gradient (default: off)")  # fmt: skip

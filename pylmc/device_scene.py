@@ -1,0 +1,103 @@
+"""A compiled scene on a device: its buffers, and programs specialised to it."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+import pyopencl as cl
+
+from . import layout, program, structs
+from .compiled import CompiledScene
+from .devices import context_and_queue, select
+from .errors import PylmcError
+from .settings import Settings
+
+# Private memory of one work-item is several kilobytes; PoCL keeps a whole work-group's on a thread's stack.
+WORK_GROUP = 16
+
+# SCENE_PARAMETERS of cl_kernels/scene.cl in order, and the struct that each is an array of (None: plain numbers).
+SCENE_ARGUMENTS: dict[str, str | None] = {
+    "nodes": None, "leaves": None, "vertices": None, "faces": None, "normals": None, "uvs": None,
+    "triangles": "TriangleInfo", "materials": "Material", "textures": "TextureInfo", "texels": None,
+    "objects": "SceneObject", "emitters": "Emitter", "emitter_cdf": None, "emitter_triangles": None,
+    "points": "PointLight", "apertures": "Aperture", "targets": "Target", "camera": "Camera",
+}  # fmt: skip
+
+
+class DeviceScene:
+    """Uploads a compiled scene and builds kernels for it.
+
+    ``device`` is a ``pyopencl.Device``, a SPEC string or None (see :func:`pylmc.devices.select`). Raises PylmcError if
+    there is no such device or the scene does not fit into its memory.
+    """
+
+    def __init__(self, compiled: CompiledScene, settings: Settings, device: Any = None) -> None:
+        self.compiled, self.settings = compiled, settings
+        self.device = device if isinstance(device, cl.Device) else select(device)
+        self.context, self.queue = context_and_queue(self.device)
+        self.compile_seconds = 0.0
+        self._programs: dict[str, cl.Program] = {}
+        self._declarations: list[str] = []
+        self.dtypes: dict[str, np.dtype] = {}
+        for name, fields in layout.SCENE_STRUCTS.items():
+            self._declare(name, fields)
+        self._declare("ChainStart", layout.CHAIN_START)
+        vertex = self._declare("ChainVertex", layout.CHAIN_VERTEX)
+        self._declare("ChainState", layout.chain_state(settings.max_depth, vertex))
+        self._declare("ChainCounters", layout.chain_counters(settings.max_depth))
+        self.buffers = [self._upload_scene_array(name, struct) for name, struct in SCENE_ARGUMENTS.items()]
+
+    def _declare(self, name: str, fields: Any) -> np.dtype:
+        dtype, declaration = structs.declare(self.device, name, np.dtype(fields))
+        self.dtypes[name] = dtype
+        self._declarations.append(declaration)
+        return dtype
+
+    def _upload_scene_array(self, name: str, struct: str | None) -> cl.Buffer:
+        array = self.compiled.arrays[name]
+        return self.upload(array if struct is None else array.astype(self.dtypes[struct]))
+
+    def upload(self, array: np.ndarray) -> cl.Buffer:
+        """A device buffer with the array's content; one byte or more even where it is empty."""
+        data = np.ascontiguousarray(array) if array.size else np.zeros(16, np.uint8)
+        self._check_size(data.nbytes)
+        return cl.Buffer(self.context, cl.mem_flags.READ_WRITE | cl.mem_flags.COPY_HOST_PTR, hostbuf=data)
+
+    def zeros(self, nbytes: int) -> cl.Buffer:
+        """A zero-filled device buffer."""
+        self._check_size(nbytes)
+        buffer = cl.Buffer(self.context, cl.mem_flags.READ_WRITE, max(nbytes, 16))
+        cl.enqueue_fill_buffer(self.queue, buffer, np.uint32(0), 0, max(nbytes, 16) // 4 * 4)
+        return buffer
+
+    def _check_size(self, nbytes: int) -> None:
+        limit = self.device.max_mem_alloc_size
+        if nbytes > limit:
+            raise PylmcError(f"{self.device.name.strip()}: {nbytes / 2**20:.0f} MiB are needed in one piece, but it allows "
+                             f"{limit / 2**20:.0f}; use a smaller film (--size), fewer path lengths (--max-depth) or "
+                             "another device")  # fmt: skip
+
+    def kernel(self, source: str, name: str, **extra: Any) -> cl.Kernel:
+        """Kernel ``name`` of ``source``, specialised to the scene and settings; ``extra`` overrides constants."""
+        key = source + repr(sorted(extra.items()))
+        if key not in self._programs:
+            start = time.perf_counter()
+            features = self.compiled.features
+            deviates = self.settings.coordinates == "deviation" or features["HAS_NARROW"]
+            defines = {**features, **self.settings.defines(), "HAS_DEVIATION": deviates, **extra}
+            self._programs[key] = program.build(self.context, source, defines=defines, structs=self._declarations)
+            self.compile_seconds += time.perf_counter() - start
+        return cl.Kernel(self._programs[key], name)
+
+    def launch(self, kernel: cl.Kernel, count: int, *arguments: Any) -> None:
+        """Enqueue ``kernel`` over ``count`` work-items: scene buffers first, then ``arguments``."""
+        size = -(-count // WORK_GROUP) * WORK_GROUP
+        kernel(self.queue, (size,), (WORK_GROUP,), *self.buffers, *arguments)
+
+    def read(self, buffer: cl.Buffer, dtype: Any, shape: Any) -> np.ndarray:
+        """Wait for the queue and copy a buffer to a new array."""
+        array = np.empty(shape, dtype)
+        cl.enqueue_copy(self.queue, array, buffer)
+        return array

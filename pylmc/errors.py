@@ -1,0 +1,8 @@
+"""The one exception a person is meant to read."""
+
+
+class PylmcError(Exception):
+    """Bad input or a missing capability: the message names the thing, the place and the remedy.
+
+    The command line prints it as one line and exits with code 2; nothing else is caught there.
+    """

@@ -1,0 +1,155 @@
+"""Kernel sources: found as package data, assembled in Python, built with readable errors.
+
+Includes are resolved here because OpenCL's ``-I`` cannot carry paths with blanks, and constants are written as
+``#define`` lines because pyopencl's cache and the compilers' own caches key on the source text.
+"""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib import resources
+from importlib.resources.abc import Traversable
+from pathlib import Path
+
+import numpy as np
+import pyopencl as cl
+
+from .errors import PylmcError
+
+_INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+# clang's and NVIDIA's "traverse.cl:12:5: error: ...", with or without the column or a word between
+_ERROR = re.compile(r"^\S*?([\w./<>-]+\.(?:cl|h)|<defines>|<structs>):(\d+)(?::\d+)?:\s*(?:fatal )?error:?\s*(.*)$", re.M)
+_LOG_HEAD = 20  # lines of the compiler's log that an error message quotes
+
+
+@cache
+def _kernel_folder() -> Traversable:
+    """Where the .cl files are: in the installed package, else beside the package in a checkout."""
+    try:
+        folder = resources.files("pylmc.cl_kernels")
+        if any(entry.name.endswith(".cl") for entry in folder.iterdir()):
+            return folder
+    except (ModuleNotFoundError, FileNotFoundError):
+        pass
+    checkout = Path(__file__).resolve().parent.parent / "cl_kernels"
+    if checkout.is_dir():
+        return checkout
+    raise PylmcError(f"the OpenCL kernels are missing: neither pylmc.cl_kernels nor {checkout} exists; reinstall pylmc")
+
+
+@cache
+def _pyopencl_folder() -> Traversable:
+    """pyopencl's own include folder, which holds ``pyopencl-random123/philox.cl``."""
+    return resources.files("pyopencl") / "cl"
+
+
+def _read(folder: Traversable, name: str) -> str | None:
+    path = folder.joinpath(*name.split("/"))
+    return path.read_text(encoding="utf-8") if path.is_file() else None
+
+
+def _find(name: str, includer: str, bracket: str) -> tuple[str, str] | None:
+    """(key, text) of an include, the key being its path below its root; None for what the compiler must judge."""
+    parent = includer.rpartition("/")[0]
+    candidates = [f"{parent}/{name}"] if parent and bracket == '"' else []
+    for key in [*candidates, name]:
+        roots = (_pyopencl_folder(),) if key.startswith("pyopencl-") else (_kernel_folder(),)
+        for root in roots:
+            text = _read(root, key)
+            if text is not None:
+                return key, text
+    return None
+
+
+def _expand(key: str, text: str, seen: set[str], out: list[str]) -> None:
+    seen.add(key)
+    out.append(f'#line 1 "{key}"')
+    for number, line in enumerate(text.splitlines(), start=1):
+        match = _INCLUDE.match(line)
+        if match is None:
+            out.append(line)
+            continue
+        bracket, name = match.groups()
+        found = _find(name, key, bracket)
+        if found is None:
+            if bracket == '"':
+                raise PylmcError(f'{key}:{number}: #include "{name}" names no kernel source')
+            out.append(line)  # a system header behind an #ifdef, as in Random123's C++ part
+            continue
+        if found[0] in seen:
+            out.append("")
+            continue
+        _expand(*found, seen, out)
+        out.append(f'#line {number + 1} "{key}"')
+
+
+def source(name: str) -> str:
+    """The text of kernel source ``name`` (``"raytracer.cl"``) with every include in place, each file once.
+
+    ``#line`` directives keep the original file names and numbers in compiler messages. An include inside an ``#if``
+    is expanded where it first occurs. Raises PylmcError for a source or a quoted include that does not exist.
+    """
+    text = _read(_kernel_folder(), name)
+    if text is None:
+        raise PylmcError(f"there is no kernel source '{name}' in {_kernel_folder()}")
+    out: list[str] = []
+    _expand(name, text, set(), out)
+    return "\n".join(out) + "\n"
+
+
+def literal(value: object) -> str:
+    """``value`` as OpenCL C: bool as 0 or 1, float as a single-precision literal that reads back exactly, str as is."""
+    if isinstance(value, bool | np.bool_):
+        return str(int(value))
+    if isinstance(value, float | np.floating):
+        single = np.float32(value)
+        if np.isnan(single):
+            return "NAN"
+        if np.isinf(single):
+            return "INFINITY" if single > 0 else "(-INFINITY)"
+        return f"({np.format_float_scientific(single, unique=True, trim='0')}f)"
+    return "" if value is None else str(value)
+
+
+def build(
+    context: cl.Context,
+    main: str,
+    *,
+    defines: Mapping[str, object],
+    structs: Sequence[str] = (),
+    options: Sequence[str] = (),
+) -> cl.Program:
+    """Kernel source ``main`` compiled for the devices of ``context``.
+
+    ``defines`` become ``#define`` lines, sorted, with values written by :func:`literal`; ``structs`` are C declarations
+    (see :mod:`pylmc.structs`) placed before the source. Contraction of ``a * b + c`` is off, so results agree bit by
+    bit between devices. Raises PylmcError with the device, the first error's file and line, and the log's head.
+    """
+    text = "\n".join(
+        [
+            "#pragma OPENCL FP_CONTRACT OFF",
+            '#line 1 "<defines>"',
+            *(f"#define {name} {literal(defines[name])}" for name in sorted(defines)),
+            '#line 1 "<structs>"',
+            *structs,
+            source(main),
+        ]
+    )
+    with warnings.catch_warnings():
+        # Some compilers report success in the log; PYOPENCL_COMPILER_OUTPUT=1 still shows the log itself.
+        warnings.filterwarnings("ignore", message="Non-empty compiler output")
+        try:
+            return cl.Program(context, text).build(options=list(options))
+        except cl.Error as error:
+            raise PylmcError(_failure(context, main, str(error))) from error
+
+
+def _failure(context: cl.Context, main: str, log: str) -> str:
+    devices = ", ".join(device.name.strip() for device in context.devices)
+    match = _ERROR.search(log)
+    where = f"{match[1]}:{match[2]}: {match[3]}" if match else "the log names no line"
+    head = "\n".join(log.strip().splitlines()[:_LOG_HEAD])
+    return f"{main} does not build on {devices}: {where}\n{head}"

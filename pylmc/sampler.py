@@ -1,0 +1,271 @@
+"""The chain itself: an exact start, then Markov steps on the device (theory.md, 3 and 6).
+
+``Sampler.init(seed)`` weighs independent paths and starts chains in the target; ``step(n)`` advances every chain;
+``states()`` lays them open as arrays. ``render`` is a loop around these.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import pyopencl as cl
+
+from .compiled import compile_scene
+from .device_scene import DeviceScene
+from .errors import PylmcError
+from .scene import Scene
+from .settings import Settings, check_precision
+
+ENDINGS = ("connect", "hit")
+STEPS_PER_LAUNCH = 32
+CANDIDATES_PER_LAUNCH = 1 << 17
+FILM_SCALE = 2.0**24  # of film.cl
+
+
+@dataclass
+class Group:
+    """The paths of one length (segments) and ending, with their own normalisation b and chains ``first : first + chains``.
+
+    ``weight_sum`` and ``weight_square_sum`` add I / p_ind over ``weighed`` independent paths, so b is their mean.
+    """
+
+    length: int
+    ending: int
+    slot: int
+    log_weights: np.ndarray
+    weighed: int = 0
+    weight_sum: float = 0.0
+    weight_square_sum: float = 0.0
+    first: int = 0
+    chains: int = 0
+    steps: int = 0
+
+    @property
+    def name(self) -> str:
+        """As shown to people: length and ending."""
+        return f"{self.length} {ENDINGS[self.ending]}"
+
+    @property
+    def b(self) -> float:
+        """The integral of the target over this group, in scaled units."""
+        return self.weight_sum / max(self.weighed, 1)
+
+    @property
+    def b_error(self) -> float:
+        """Standard error of b."""
+        n = max(self.weighed, 2)
+        return float(np.sqrt(max(self.weight_square_sum / n - self.b**2, 0) / n))
+
+
+class States(NamedTuple):
+    """The chains as arrays, chains first. K is the greatest path length; entries beyond a path's own are NaN (or -1).
+
+    length, ending (chains,): segments, 0 connect or 1 hit. v_1 (chains, 3). nodes x_1 … x_K (chains, K, 3), in scene
+    units; directions v_1 … v_K (chains, K, 3). deviations Ω_i (chains, K, 2): of v_{i+1} from the lobe's reference
+    direction at x_i. lobes (chains, K): 0 diffuse, 1 reflection, 2 dielectric reflection, 3 refraction. kinds
+    (chains, K): each free direction's chart: 0 projection, 1 deviation, 2 next node, 3 + i aperture i. log_pi: log of the
+    target I in scaled units; log_p: log of the independent sampler's density. factors L (chains, 2 K, 2 K): Q = L Lᵀ.
+    gradients (chains, 2 K): of the log density in the charts' coordinates, where drift is on.
+    """
+
+    length: np.ndarray
+    ending: np.ndarray
+    v_1: np.ndarray
+    nodes: np.ndarray
+    directions: np.ndarray
+    deviations: np.ndarray
+    lobes: np.ndarray
+    kinds: np.ndarray
+    log_pi: np.ndarray
+    log_p: np.ndarray
+    factors: np.ndarray
+    gradients: np.ndarray
+
+
+class Counters(NamedTuple):
+    """What the chains counted since the last call, per chain: column 0 is the large step, column m the block of m."""
+
+    proposed: np.ndarray
+    acceptance: np.ndarray
+    not_finite: int
+    rays: int
+
+
+class Sampler:
+    """Chains over a scene's light paths. Keyword arguments are those of :class:`pylmc.settings.Settings`.
+
+    Raises PylmcError for unknown settings, a device that is not there, and scenes in which no light path is found.
+    """
+
+    def __init__(self, scene: Scene, *, device: Any = None, precision: str = "single", **settings: Any) -> None:
+        check_precision(precision)
+        unknown = sorted(set(settings) - set(Settings.names()))
+        if unknown:
+            raise PylmcError(f"unknown setting '{unknown[0]}'; choose from {', '.join(Settings.names())}")
+        self.scene = scene
+        self.settings = Settings(**settings)
+        start = time.perf_counter()
+        self.compiled = compile_scene(scene)
+        self.device_scene = DeviceScene(self.compiled, self.settings, device)
+        self.seconds = {"build": time.perf_counter() - start, "bootstrap": 0.0, "run": 0.0}
+        self.groups: list[Group] = []
+        self.seed = 0
+        self.steps_done = 0
+
+    @property
+    def film_pixels(self) -> int:
+        """Pixels of the film."""
+        return self.scene.camera.width * self.scene.camera.height
+
+    @property
+    def compile_seconds(self) -> float:
+        """Time spent compiling kernels so far."""
+        return self.device_scene.compile_seconds
+
+    def path_groups(self) -> list[Group]:
+        """A group for each path length and ending that the settings admit, nothing known of them yet."""
+        kinds = [(k, e) for k in range(1, self.settings.max_depth + 1) for e in self.compiled.endings if k > 1 or e == 1]
+        if not kinds:
+            raise PylmcError("max_depth=1 leaves only emitters seen directly, and this scene has point lights only; "
+                             "use --max-depth 2 or more")  # fmt: skip
+        return [Group(length, ending, slot, np.zeros(0)) for slot, (length, ending) in enumerate(kinds)]
+
+    def weigh(self, candidates: int = 1 << 18, seed: int = 0) -> list[Group]:
+        """Draw ``candidates`` independent paths per group and keep their weights I / p_ind: the estimate of each b."""
+        self.seed = seed
+        groups = self.path_groups()
+        kernel = self.device_scene.kernel("bootstrap.cl", "weigh_candidates")
+        start = time.perf_counter()
+        device = self.device_scene
+        out = device.zeros(4 * CANDIDATES_PER_LAUNCH)
+        for group in groups:
+            parts = []
+            for first in range(0, candidates, CANDIDATES_PER_LAUNCH):
+                count = min(CANDIDATES_PER_LAUNCH, candidates - first)
+                device.launch(kernel, count, np.uint32(seed), np.uint32(group.slot), np.int32(group.length),
+                              np.int32(group.ending), np.uint32(first), np.uint32(count), out)  # fmt: skip
+                parts.append(device.read(out, np.float32, CANDIDATES_PER_LAUNCH)[:count])
+            group.log_weights = np.concatenate(parts).astype(np.float64)
+            weights = np.exp(group.log_weights)
+            group.weighed = candidates
+            group.weight_sum, group.weight_square_sum = float(weights.sum()), float((weights**2).sum())
+        self.seconds["bootstrap"] += time.perf_counter() - start
+        if not any(group.weight_sum > 0 for group in groups):
+            tried = candidates * len(groups)
+            raise PylmcError(f"no light path was found in {tried} tries (up to {self.settings.max_depth} segments): check "
+                             "that the camera sees a surface that light can reach, or raise --max-depth")  # fmt: skip
+        return groups
+
+    def init(self, seed: int = 0, chains: int = 4096, candidates: int = 1 << 18) -> list[Group]:
+        """Start ``chains`` chains in the target: resample the candidates in proportion to their weights.
+
+        Chains are shared out among the groups in proportion to b; a group in which no light was found has none. The
+        same seed gives the same chains. Returns the groups.
+        """
+        groups = [group for group in self.weigh(candidates, seed) if group.weight_sum > 0]
+        total = sum(group.b for group in groups)
+        rng = np.random.default_rng([seed, 1])
+        starts = []
+        first = 0
+        for slot, group in enumerate(groups):
+            group.first, group.chains = first, max(int(round(chains * group.b / total)), 8)
+            weights = np.exp(group.log_weights - group.log_weights.max())
+            points = (np.arange(group.chains) + rng.random()) / group.chains * weights.sum()
+            chosen = np.minimum(np.searchsorted(np.cumsum(weights), points, side="right"), len(weights) - 1)
+            part = np.zeros(group.chains, self.device_scene.dtypes["ChainStart"])
+            part["group"], part["slot"], part["number"] = group.slot, slot, chosen
+            part["length"], part["ending"] = group.length, group.ending
+            starts.append(part)
+            first += group.chains
+        self.groups, self.chains, self.steps_done = groups, first, 0
+        device = self.device_scene
+        dtypes = device.dtypes
+        self._states = device.zeros(first * dtypes["ChainState"].itemsize)
+        self._counters = device.zeros(first * dtypes["ChainCounters"].itemsize)
+        self._film = device.zeros(len(groups) * self.film_pixels * 24)
+        kernel = device.kernel("bootstrap.cl", "start_chains")
+        device.launch(kernel, first, np.uint32(seed), np.uint32(first), device.upload(np.concatenate(starts)), self._states)
+        self._kernel = device.kernel("chains.cl", "run_chains")
+        device.queue.finish()
+        return groups
+
+    def step(self, n: int = STEPS_PER_LAUNCH) -> None:
+        """Advance every chain by ``n`` steps and wait."""
+        settings = self.settings
+        start = time.perf_counter()
+        done = 0
+        while done < n:
+            steps = min(STEPS_PER_LAUNCH, n - done)
+            self.device_scene.launch(
+                self._kernel, self.chains, np.uint32(self.seed), np.uint64(self.steps_done), np.int32(steps),
+                np.uint32(self.chains), np.float32(settings.large_steps), np.float32(np.log(settings.step[0])),
+                np.float32(np.log(settings.step[1])), self._states, self._counters, self._film,
+                np.int32(self.film_pixels))  # fmt: skip
+            done += steps
+            self.steps_done += steps
+        self.device_scene.queue.finish()
+        for group in self.groups:
+            group.steps += n
+        self.seconds["run"] += time.perf_counter() - start
+
+    def counters(self) -> Counters:
+        """Read and clear the chains' counters; large steps refine each group's b."""
+        device = self.device_scene
+        counts = device.read(self._counters, device.dtypes["ChainCounters"], self.chains)
+        cl.enqueue_fill_buffer(device.queue, self._counters, np.uint32(0), 0, counts.nbytes)
+        for group in self.groups:
+            part = counts[group.first : group.first + group.chains]
+            group.weighed += int(part["proposed"][:, 0].sum(dtype=np.int64))
+            group.weight_sum += float(part["weight_sum"].sum(dtype=np.float64))
+            group.weight_square_sum += float(part["weight_square_sum"].sum(dtype=np.float64))
+        return Counters(counts["proposed"], counts["acceptance"], int(counts["not_finite"].sum(dtype=np.int64)),
+                        int(counts["rays"].sum(dtype=np.int64)))  # fmt: skip
+
+    def films(self) -> np.ndarray:
+        """Each group's accumulated splats (groups, height, width, 3), float64, not yet normalised."""
+        camera = self.scene.camera
+        shape = (len(self.groups), camera.height, camera.width, 3)
+        words = self.device_scene.read(self._film, np.dtype("<u8"), shape)
+        return words / FILM_SCALE
+
+    def image(self, films: np.ndarray | None = None) -> np.ndarray:
+        """The picture so far (height, width, 3), float64, in the scene's units of radiance."""
+        films = self.films() if films is None else films
+        total = np.zeros(films.shape[1:])
+        for film, group in zip(films, self.groups, strict=True):
+            total += film * (group.b * self.film_pixels / (max(group.steps, 1) * group.chains))
+        return total * self.compiled.radiance_scale
+
+    def states(self, block: int = 0) -> States:
+        """Every chain's path; ``block`` limits charts and factors to that many leading directions (0: all free ones)."""
+        device, k = self.device_scene, self.settings.max_depth
+        chains = self.chains
+        shapes = {"nodes": (k, 3), "directions": (k, 3), "deviations": (k, 2), "kinds": (k,), "lobes": (k,),
+                  "densities": (2,), "factors": (2 * k, 2 * k),
+                  "gradients": (2 * k,)}  # fmt: skip
+        arrays = {name: np.full((chains, *shape), -1, np.int32) if name in ("kinds", "lobes")
+                  else np.full((chains, *shape), np.nan, np.float32) for name, shape in shapes.items()}  # fmt: skip
+        arrays["factors"][:] = 0
+        buffers = [device.upload(array) for array in arrays.values()]
+        kernel = device.kernel("inspect.cl", "describe_chains")
+        device.launch(kernel, chains, np.uint32(chains), self._states, np.int32(block), *buffers)
+        for name, buffer in zip(arrays, buffers, strict=True):
+            arrays[name] = device.read(buffer, arrays[name].dtype, arrays[name].shape)
+        raw = device.read(self._states, device.dtypes["ChainState"], chains)
+        nodes = arrays["nodes"] * self.compiled.scale + self.compiled.centre
+        return States(raw["length"], raw["ending"], arrays["directions"][:, 0], nodes, arrays["directions"],
+                      arrays["deviations"], arrays["lobes"], arrays["kinds"], arrays["densities"][:, 0],
+                      arrays["densities"][:, 1], arrays["factors"], arrays["gradients"])  # fmt: skip
+
+    def displaced(self, deltas: np.ndarray, block: int = 0) -> tuple[np.ndarray, np.ndarray]:
+        """Where displacements (chains, 2 K) in the chains' charts lead: nodes (scaled units) and directions; NaN: nowhere."""
+        device, k = self.device_scene, self.settings.max_depth
+        out = np.full((self.chains, k, 3), np.nan, np.float32)
+        nodes, directions = device.upload(out), device.upload(out)
+        kernel = device.kernel("inspect.cl", "displace_chains")
+        device.launch(kernel, self.chains, np.uint32(self.chains), self._states, np.int32(block),
+                      device.upload(np.ascontiguousarray(deltas, np.float32)), nodes, directions)  # fmt: skip
+        return device.read(nodes, np.float32, out.shape), device.read(directions, np.float32, out.shape)
