@@ -1,4 +1,4 @@
-"""Ray rates against Embree: ``python -m bench.traversal [--large] [--rays N] [--repeats N] [--width W] [--device SPEC]``.
+"""Ray rates against Embree: ``python -m bench.traversal [--large] [--rays N] [--width W] [--device SPEC]``.
 
 Everything runs on one core (Embree's Python binding has one thread), kernels and Embree interleaved; medians are
 printed, and their ratio. Kernel times exclude copying rays to the device, Embree's exclude nothing: its binding takes

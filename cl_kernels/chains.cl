@@ -74,4 +74,7 @@ __kernel void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int step
     count->weight_sum += weight_sum;
     count->weight_square_sum += weight_square_sum;
     count->rays += scene.rays;
+    float2 position;  // where on the film the chain is now: the trace behind ESS and R-hat
+    film_position(&scene, paths[now].vertex[1].v, &position);
+    vstore2(position, 0, count->trace);
 }

@@ -24,10 +24,8 @@ typedef struct {
 } BvhNode;
 
 typedef struct {
-    bvh_float corner[3];
-    bvh_float edge1[3];
-    bvh_float edge2[3];
-    bvh_int triangle; // ascending, so that the first of equal hits is the lowest; unused lanes have edges of length 0
+    bvh_float corner[9]; // x, y, z of the first corner, of the second, of the third
+    bvh_int triangle;    // unused lanes hold -1, and three equal corners, which no ray hits
 } BvhLeaf;
 
 typedef struct {
@@ -37,17 +35,17 @@ typedef struct {
 } Hit;
 
 typedef struct {
-    float3 origin, direction, inverse;
-    int3 near; // which plane of each axis the ray meets first
+    float3 origin, inverse;
+    int3 near;     // which plane of each axis the ray meets first
+    int3 axis;     // a permutation of the axes, the ray's longest last
+    float3 sheared; // the origin in that permutation
+    float3 shear;  // maps the direction to (0, 0, 1) in that permutation
 } BvhRay;
 
 #define BVH_NONE INT_MAX
 
 // Errors of t_near and t_far against each other: three roundings each, one of them of a 2.5 ulp division.
 #define BVH_BOX_SLACK 1.000001f
-
-// Barycentric slack: rounding must not open a crack between two triangles that share an edge.
-#define BVH_EDGE_SLACK 1e-6f
 
 // A finite reciprocal keeps 0 * inf, hence NaN, out of the box test; boxes are padded, so a ray in a box's own plane
 // still sees that plane on the outside.
@@ -58,9 +56,22 @@ float bvh_reciprocal(float x) {
 BvhRay bvh_ray(float3 origin, float3 direction) {
     BvhRay ray;
     ray.origin = origin;
-    ray.direction = direction;
     ray.inverse = (float3)(bvh_reciprocal(direction.x), bvh_reciprocal(direction.y), bvh_reciprocal(direction.z));
     ray.near = (int3)(ray.inverse.x < 0.0f ? 3 : 0, ray.inverse.y < 0.0f ? 4 : 1, ray.inverse.z < 0.0f ? 5 : 2);
+    const float3 size = fabs(direction);
+    if (size.x >= size.y && size.x >= size.z) {
+        ray.axis = (int3)(1, 2, 0);
+        ray.sheared = origin.yzx;
+        direction = direction.yzx;
+    } else if (size.y >= size.z) {
+        ray.axis = (int3)(2, 0, 1);
+        ray.sheared = origin.zxy;
+        direction = direction.zxy;
+    } else {
+        ray.axis = (int3)(0, 1, 2);
+        ray.sheared = origin;
+    }
+    ray.shear = (float3)(direction.x / direction.z, direction.y / direction.z, 1.0f / direction.z);
     return ray;
 }
 
@@ -79,26 +90,29 @@ bvh_int bvh_enter(__global const BvhNode *node, const BvhRay *ray, float t_max, 
     return t0 <= t1 * BVH_BOX_SLACK;
 }
 
-// Möller and Trumbore's test of a whole leaf. A zero determinant makes u or v infinite or NaN, which no comparison
-// lets through.
+// Woop, Benthin and Wald's watertight test (2013) of a whole leaf. Triangles that share an edge compute the same edge
+// function for it up to the sign, since contraction is off, so no ray slips between them. A zero determinant makes t
+// NaN, which no comparison lets through.
 bvh_int bvh_leaf(__global const BvhLeaf *leaf, const BvhRay *ray, float t_max,
                  bvh_float *t_out, bvh_float *u_out, bvh_float *v_out) {
-    const float3 d = ray->direction;
-    const bvh_float ax = leaf->edge1[0], ay = leaf->edge1[1], az = leaf->edge1[2];
-    const bvh_float bx = leaf->edge2[0], by = leaf->edge2[1], bz = leaf->edge2[2];
-    const bvh_float px = d.y * bz - d.z * by, py = d.z * bx - d.x * bz, pz = d.x * by - d.y * bx;
-    const bvh_float inverse = 1.0f / (ax * px + ay * py + az * pz);
-    const bvh_float sx = ray->origin.x - leaf->corner[0];
-    const bvh_float sy = ray->origin.y - leaf->corner[1];
-    const bvh_float sz = ray->origin.z - leaf->corner[2];
-    const bvh_float u = (sx * px + sy * py + sz * pz) * inverse;
-    const bvh_float qx = sy * az - sz * ay, qy = sz * ax - sx * az, qz = sx * ay - sy * ax;
-    const bvh_float v = (d.x * qx + d.y * qy + d.z * qz) * inverse;
-    const bvh_float t = (bx * qx + by * qy + bz * qz) * inverse;
+    const int3 axis = ray->axis;
+    const float3 o = ray->sheared, shear = ray->shear;
+    const bvh_float az = leaf->corner[axis.z] - o.z;
+    const bvh_float bz = leaf->corner[3 + axis.z] - o.z;
+    const bvh_float cz = leaf->corner[6 + axis.z] - o.z;
+    const bvh_float ax = leaf->corner[axis.x] - o.x - shear.x * az;
+    const bvh_float bx = leaf->corner[3 + axis.x] - o.x - shear.x * bz;
+    const bvh_float cx = leaf->corner[6 + axis.x] - o.x - shear.x * cz;
+    const bvh_float ay = leaf->corner[axis.y] - o.y - shear.y * az;
+    const bvh_float by = leaf->corner[3 + axis.y] - o.y - shear.y * bz;
+    const bvh_float cy = leaf->corner[6 + axis.y] - o.y - shear.y * cz;
+    const bvh_float a = cx * by - cy * bx, b = ax * cy - ay * cx, c = bx * ay - by * ax;
+    const bvh_float inverse = 1.0f / (a + b + c);
+    const bvh_float t = (a * az + b * bz + c * cz) * shear.z * inverse;
     *t_out = t;
-    *u_out = u;
-    *v_out = v;
-    return (u >= -BVH_EDGE_SLACK) & (v >= -BVH_EDGE_SLACK) & (u + v <= 1.0f + BVH_EDGE_SLACK) & (t > 0.0f) & (t <= t_max);
+    *u_out = b * inverse;
+    *v_out = c * inverse;
+    return (min(a, min(b, c)) >= 0.0f | max(a, max(b, c)) <= 0.0f) & (t > 0.0f) & (t <= t_max);
 }
 
 // The closest triangle with t in (0, t_max); the lowest number among equals. `direction` need not be a unit vector;

@@ -8,7 +8,7 @@ import numpy as np
 
 from .flat_pieces import Outline, outlines
 from .scene import Aperture, Shape
-from .topology import DOUBLE, SINGLE, concatenate
+from .topology import DOUBLE, SINGLE, concatenate, roundoff
 
 FLATNESS = 1e-5  # a piece is flat if its outline leaves its plane by less than this part of its size
 NARROWEST = 1e-6  # a loop narrower than this part of its length is a crack between triangles, not a hole
@@ -39,7 +39,7 @@ def _holes(outline: Outline, precision: float) -> list[Aperture]:
     """The apertures in one piece."""
     away = (outline.points - outline.points[0]) @ outline.normal
     size = np.linalg.norm(np.ptp(outline.points, axis=0))
-    allowed = 32 * precision * np.abs(outline.points).max()
+    allowed = roundoff(outline.points, precision)
     if np.ptp(away) > FLATNESS * size + allowed:
         return []
     across = np.eye(3)[np.argmin(np.abs(outline.normal))]

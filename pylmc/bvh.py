@@ -17,6 +17,7 @@ from .errors import PylmcError
 
 WIDTHS = (2, 4, 8)
 STACK_STEP = 8  # stack sizes are rounded up, so that most trees share one compiled program
+LARGEST = 1e12  # coordinate: the triangle test multiplies three lengths
 SLIVER = 2e-7  # sine of the angle below which a triangle's float32 normal is rounding noise
 
 
@@ -26,7 +27,7 @@ class Bvh:
 
     ``nodes`` is (n, 8, width) float32: rows 0 to 2 the children's low corners, 3 to 5 the high corners, row 6 the
     children as int32 (an inner node's index, or ~index of a leaf), row 7 unused. ``leaves`` is (m, 10, width) float32:
-    three rows each of corner, first edge and second edge, then the triangle's number as int32. ``depth`` counts levels
+    x, y, z of the three corners, then the triangle's number as int32. ``depth`` counts levels
     of nodes.
     """
 
@@ -51,11 +52,10 @@ def build(vertices: Any, faces: Any, width: int = 8) -> Bvh:
         raise PylmcError(f"BVH width {width!r}: use 2, 4 or 8")
     vertices, faces = check_mesh(vertices, faces)
     corners = vertices[faces]
-    edge1, edge2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    kept = np.flatnonzero(_has_area(edge1, edge2)).astype(np.int32)
+    kept = np.flatnonzero(_has_area(corners)).astype(np.int32)
     if len(kept) == 0:
-        kept = np.zeros(1, dtype=np.int32)  # a tree needs a leaf; an edge of length zero is never hit
-        edge1 = np.zeros_like(edge1)
+        kept = np.zeros(1, dtype=np.int32)  # a tree needs a leaf; three equal corners are never hit
+        corners = np.zeros_like(corners)
     boxes = _boxes(corners[kept])
     tree = grow(boxes, width)
     nodes, leaf_nodes, depth = collapse(tree, width)
@@ -63,8 +63,7 @@ def build(vertices: Any, faces: Any, width: int = 8) -> Bvh:
     leaves = np.zeros((len(ids), 10, width), dtype=np.float32)
     lanes = ids >= 0
     triangle = np.where(lanes, kept[ids], -1)
-    for row, source in enumerate((corners[:, 0], edge1, edge2)):
-        leaves[:, 3 * row : 3 * row + 3] = np.where(lanes[:, None], source[triangle].transpose(0, 2, 1), 0)
+    leaves[:, :9] = np.where(lanes[:, None], corners.reshape(-1, 9)[triangle].transpose(0, 2, 1), 0)
     leaves[:, 9] = triangle.astype(np.int32).view(np.float32)
     return Bvh(nodes, leaves, width, depth)
 
@@ -91,12 +90,14 @@ def check_mesh(vertices: Any, faces: Any) -> tuple[np.ndarray, np.ndarray]:
     if not np.all(np.isfinite(vertices)):
         bad = int(np.flatnonzero(~np.isfinite(vertices).all(axis=1))[0])
         raise PylmcError(f"mesh: vertex {bad} is NaN, infinite or beyond single precision")
+    if np.abs(vertices).max() > LARGEST:
+        raise PylmcError(f"mesh: coordinates exceed {LARGEST:g}, where single-precision intersections overflow; rescale")
     return vertices, faces
 
 
-def _has_area(edge1: np.ndarray, edge2: np.ndarray) -> np.ndarray:
+def _has_area(corners: np.ndarray) -> np.ndarray:
     """Whether each triangle's normal means something in float32."""
-    a, b = edge1.astype(np.float64), edge2.astype(np.float64)
+    a, b = (corners[:, i].astype(np.float64) - corners[:, 0] for i in (1, 2))
     normal = np.sqrt((np.cross(a, b) ** 2).sum(axis=1))
     longest = np.sqrt(np.maximum((a**2).sum(axis=1), (b**2).sum(axis=1)))
     shortest = np.sqrt(np.minimum((a**2).sum(axis=1), (b**2).sum(axis=1)))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
 
-BINS = 32  # candidate intervals per axis and node
+FEWEST_BINS, MOST_BINS = 32, 1024  # candidate intervals per axis and node
+MEDIAN_LEVEL = 40  # from here on nodes are halved, so that no geometry makes the tree, hence the stack, deep
 
 
 @dataclass
@@ -27,20 +29,31 @@ def half_area(box: np.ndarray) -> np.ndarray:
     return x * y + y * z + z * x
 
 
+def _weight(count: np.ndarray, width: int) -> np.ndarray:
+    """What ``count`` triangles cost a ray that enters their box: full leaves pay, but so does every triangle less."""
+    return -(-count // width) + 0.5 * count / width
+
+
+def _bins(level: int, triangles: int, count: np.ndarray) -> int:
+    """Many intervals while nodes are few, as they cost little there and decide the most; exact sweeps at the end."""
+    if level >= MEDIAN_LEVEL:
+        return 2
+    return int(min(np.clip(triangles // (8 * len(count)), FEWEST_BINS, MOST_BINS), count.max()))
+
+
 def _best_splits(
-    box: np.ndarray, orders: list[np.ndarray], start: np.ndarray, count: np.ndarray, width: int
+    box: np.ndarray, orders: list[np.ndarray], start: np.ndarray, count: np.ndarray, bins: int, width: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """For each segment of the orders: axis, triangles on the left, and both sides' boxes (6, segments).
 
     Each axis's order is cut into intervals of equal count, which needs no binning pass, becomes an exact sweep once a
     node has no more triangles than bins, and cannot fail on coincident centroids.
     """
-    bins = int(min(BINS, count.max()))
     cuts = (np.arange(bins + 1) * count[:, None]) // bins
     starts = (start[:, None] + cuts[:, :-1]).ravel()
     empty = cuts[:, 1:] == cuts[:, :-1]
     on_left = cuts[:, 1:-1]
-    tests_left, tests_right = -(-on_left // width), -(-(count[:, None] - on_left) // width)
+    weight_left, weight_right = _weight(on_left, width), _weight(count[:, None] - on_left, width)
     best = np.full(len(start), np.inf, dtype=np.float32)
     axis_of, left_of = np.zeros(len(start), dtype=np.int64), np.ones(len(start), dtype=np.int64)
     boxes = np.zeros((2, 6, len(start)), dtype=np.float32)
@@ -50,7 +63,7 @@ def _best_splits(
         left = np.minimum.accumulate(parts, axis=2)[:, :, :-1]
         right = np.minimum.accumulate(parts[:, :, ::-1], axis=2)[:, :, -2::-1]
         with np.errstate(invalid="ignore"):
-            cost = half_area(left) * tests_left + half_area(right) * tests_right
+            cost = half_area(left) * weight_left + half_area(right) * weight_right
         cost[on_left == 0] = np.inf
         cut = np.argmin(cost, axis=1)
         rows = np.arange(len(start))
@@ -68,11 +81,11 @@ def grow(box: np.ndarray, width: int) -> BinaryTree:
     centre = box[:3] - box[3:]
     orders = [np.argsort(centre[axis], kind="stable") for axis in range(3)]
     side = np.zeros(box.shape[1], dtype=bool)
-    node, start, count = np.zeros(1, np.int64), np.zeros(1, np.int64), np.array([box.shape[1]])
+    count = np.array([box.shape[1]])
     total = 1
     left, right, node_box = [], [], [box.min(axis=1, keepdims=True)]
     first, size, leaf_order, leaf_total = [], [], [], 0
-    while len(node):
+    for level in itertools.count():
         done = count <= width
         in_leaf = np.repeat(done, count)
         leaf_order.append(orders[0][in_leaf])
@@ -82,7 +95,7 @@ def grow(box: np.ndarray, width: int) -> BinaryTree:
         size.append(leaf_count)
         leaf_total += int(leaf_count.sum())
         inner = ~done
-        children = np.full(len(node), -1)
+        children = np.full(len(count), -1)
         children[inner] = total + 2 * np.arange(int(inner.sum()))
         left.append(children)
         right.append(np.where(inner, children + 1, -1))
@@ -90,7 +103,9 @@ def grow(box: np.ndarray, width: int) -> BinaryTree:
         if len(count) == 0:
             break
         start = np.cumsum(count) - count
-        axis, on_left, box_left, box_right = _best_splits(box, orders, start, count, width)
+        axis, on_left, box_left, box_right = _best_splits(
+            box, orders, start, count, _bins(level, len(orders[0]), count), width
+        )
         offset = np.arange(len(orders[0])) - np.repeat(start, count)
         left_slot = offset < np.repeat(on_left, count)
         axis_slot = np.repeat(axis, count)
@@ -98,7 +113,6 @@ def grow(box: np.ndarray, width: int) -> BinaryTree:
             chosen = axis_slot == a
             side[order[chosen]] = left_slot[chosen]
         orders = [_partition(order, side, left_slot) for order in orders]
-        node = total + np.arange(2 * len(count))
         total += 2 * len(count)
         count = np.stack((on_left, count - on_left), axis=1).ravel()
         node_box.append(np.stack((box_left, box_right), axis=2).reshape(6, -1))

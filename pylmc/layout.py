@@ -49,8 +49,12 @@ def chain_state(max_depth: int, vertex: np.dtype) -> list[Any]:
 
 
 def chain_counters(max_depth: int) -> list[Any]:
-    """What a chain counts: entry 0 of ``proposed`` and ``acceptance`` is the large step, entry m the block of m."""
+    """What a chain counts: entry 0 of ``proposed`` and ``acceptance`` is the large step, entry m the block of m.
+
+    ``trace`` is the film position where a launch left it.
+    """
     return [
         ("proposed", np.uint32, (max_depth + 1,)), ("acceptance", np.float32, (max_depth + 1,)),
         ("not_finite", np.uint32), ("rays", np.uint32), ("weight_sum", np.float32), ("weight_square_sum", np.float32),
+        ("trace", np.float32, (2,)),
     ]  # fmt: skip

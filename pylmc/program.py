@@ -20,8 +20,9 @@ import pyopencl as cl
 from .errors import PylmcError
 
 _INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
-# clang's and NVIDIA's "traverse.cl:12:5: error: ...", with or without the column or a word between
-_ERROR = re.compile(r"^\S*?([\w./<>-]+\.(?:cl|h)|<defines>|<structs>):(\d+)(?::\d+)?:\s*(?:fatal )?error:?\s*(.*)$", re.M)
+# "traverse.cl:12:5: error: ..." as clang, Intel and NVIDIA write it, or PoCL's "error: traverse.cl:12:5: ..."
+_PLACE = r"([\w./-]+\.(?:cl|h)|<\w+>):(\d+)(?::\d+)?:"
+_ERROR = re.compile(rf"{_PLACE} (?:fatal )?error:? (.*)|error: {_PLACE} (.*)")
 _LOG_HEAD = 20  # lines of the compiler's log that an error message quotes
 
 
@@ -150,6 +151,7 @@ def build(
 def _failure(context: cl.Context, main: str, log: str) -> str:
     devices = ", ".join(device.name.strip() for device in context.devices)
     match = _ERROR.search(log)
-    where = f"{match[1]}:{match[2]}: {match[3]}" if match else "the log names no line"
+    file, line, message = [group for group in match.groups() if group] if match else ("", "", "")
+    where = f"{file}:{line}: {message}" if file else "the log names no line"
     head = "\n".join(log.strip().splitlines()[:_LOG_HEAD])
     return f"{main} does not build on {devices}: {where}\n{head}"

@@ -47,8 +47,8 @@ class RayTracer:
 
         ``origins`` and ``directions`` broadcast to (k, 3), ``t_max`` to (k,); directions need not be unit vectors, and
         t is in their units. The hit point is (1 - u - v) v0 + u v1 + v v2 of face ``triangle``; of coincident triangles
-        the lowest number is reported. A miss has t = inf and triangle = -1. Raises PylmcError for other shapes, for NaN,
-        and for infinite origins or directions.
+        the lowest number is reported. A miss has t = inf and triangle = -1; so has a direction of length zero. Raises
+        PylmcError for other shapes, for NaN, and for infinite origins or directions.
         """
         rays = _check_rays(origins, directions, t_max)
         count = len(rays[0])

@@ -86,10 +86,14 @@ class States(NamedTuple):
 
 
 class Counters(NamedTuple):
-    """What the chains counted since the last call, per chain: column 0 is the large step, column m the block of m."""
+    """What the chains counted since the last call: chains first, then column 0 the large step, column m the block of m.
+
+    trace (chains, 2): where on the film (x to the right, y down, 0 to 1) each chain is now.
+    """
 
     proposed: np.ndarray
     acceptance: np.ndarray
+    trace: np.ndarray
     not_finite: int
     rays: int
 
@@ -221,8 +225,8 @@ class Sampler:
             group.weighed += int(part["proposed"][:, 0].sum(dtype=np.int64))
             group.weight_sum += float(part["weight_sum"].sum(dtype=np.float64))
             group.weight_square_sum += float(part["weight_square_sum"].sum(dtype=np.float64))
-        return Counters(counts["proposed"], counts["acceptance"], int(counts["not_finite"].sum(dtype=np.int64)),
-                        int(counts["rays"].sum(dtype=np.int64)))  # fmt: skip
+        return Counters(counts["proposed"], counts["acceptance"], counts["trace"],
+                        int(counts["not_finite"].sum(dtype=np.int64)), int(counts["rays"].sum(dtype=np.int64)))  # fmt: skip
 
     def films(self) -> np.ndarray:
         """Each group's accumulated splats (groups, height, width, 3), float64, not yet normalised."""

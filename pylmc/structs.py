@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -23,10 +24,8 @@ def declare(device: cl.Device, name: str, dtype: Any) -> tuple[np.dtype, str]:
         matched, declaration = match_dtype_to_c_struct(device, name, np.dtype(dtype))
     except (ValueError, TypeError, NotImplementedError, RuntimeError, cl.Error) as error:
         raise PylmcError(f"struct '{name}' has no C layout on {device.name.strip()}: {error}") from error
-    try:
+    # Where the name already stands for other fields its first owner keeps it: pyopencl needs the registration only to
+    # nest structs, and finds those by dtype.
+    with suppress(RuntimeError):
         matched = get_or_register_dtype(name, matched)
-    except RuntimeError:
-        # The name already stands for other fields. pyopencl needs the registration only to nest structs, and finds
-        # those by dtype, so the first owner keeps the name.
-        pass
     return matched, declaration

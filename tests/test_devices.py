@@ -1,5 +1,6 @@
 """Devices: only those count that run a kernel, and a broken driver neither crashes nor hangs us."""
 
+import os
 import shutil
 import subprocess
 from collections.abc import Iterator
@@ -42,7 +43,7 @@ def test_a_device_works() -> None:
     found = devices.usable()
     assert found, "the tests need an OpenCL device; `make test` sets one up"
     context, queue = devices.context_and_queue(devices.select())
-    assert devices.describes(found[0], queue.device) or "PYOPENCL_CTX" in devices.os.environ
+    assert devices.describes(found[0], queue.device) or "PYOPENCL_CTX" in os.environ
     source = "__kernel void twice(__global float *x) { x[get_global_id(0)] *= 2; }"
     numbers = np.arange(8, dtype=np.float32)
     buffer = cl.Buffer(context, cl.mem_flags.COPY_HOST_PTR, hostbuf=numbers)
@@ -79,9 +80,9 @@ def test_pyopencl_ctx_is_respected(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_environment_stays_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
-    before = devices.os.environ.get("OCL_ICD_VENDORS")
+    before = os.environ.get("OCL_ICD_VENDORS")
     devices.select()
-    assert devices.os.environ.get("OCL_ICD_VENDORS") == before
+    assert os.environ.get("OCL_ICD_VENDORS") == before
 
 
 def test_gpu_first_and_open_source_before_proprietary() -> None:

@@ -1,0 +1,77 @@
+"""`pylmc info`: what a scene compiles to, in words."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .compiled import compile_scene
+from .preconditioner import MAX_APERTURES, NARROW_ALPHA
+from .scene import Scene
+from .settings import Settings
+
+ENDING_WORDS = ("connect (to a point light)", "hit (an emitter)")
+
+
+def info(scene: Scene, **settings: Any) -> str:
+    """Path lengths, lobes, constraints by kind and count, and what was left out and why; as lines of text.
+
+    Keyword arguments are those of :class:`pylmc.settings.Settings`. Needs no OpenCL device.
+    """
+    chosen = Settings(**settings)
+    compiled = compile_scene(scene)
+    plan, features = compiled.plan, compiled.features
+    camera = scene.camera
+    low = 2 if compiled.endings == (0,) else 1
+    lobes = [name for name, flag in (("diffuse", "HAS_DIFFUSE"), ("GGX", "HAS_GLOSSY"), ("refraction", "HAS_TRANSMIT"))
+             if features[flag]]  # fmt: skip
+    triangles = len(compiled.arrays["faces"])
+    lines = [
+        f"film          {camera.width} x {camera.height}, vertical field of view {camera.fov:g} degrees",
+        f"geometry      {len(scene.shapes)} shapes, {len(compiled.objects)} objects, {triangles} triangles; "
+        f"radius {compiled.scale:.3g} to {2 * compiled.scale:.3g}",
+        f"light         {len(scene.lights)} point light(s), {features['NUM_EMITTER_TRIANGLES']} emitting triangle(s)",
+        f"paths         {low} to {chosen.max_depth} segments; ending: {', '.join(ENDING_WORDS[e] for e in compiled.endings)}",
+        f"lobes         {', '.join(lobes)}",
+        f"coordinates   {chosen.coordinates} charts; deviations by the {chosen.chart} chart",
+        f"combination   Q = w(M) sum Q_k / q_k^2, rule '{chosen.rule}'; drift {'on' if chosen.drift else 'off'}",
+        "constraints",
+        "  bounds      always: one radian or chart unit per direction (the film for the first)",
+    ]
+    if plan.narrow_materials:
+        names = ", ".join(plan.narrow_materials[:6]) + (", ..." if len(plan.narrow_materials) > 6 else "")
+        lines.append(f"  lobes       {len(plan.narrow_materials)} narrow material(s), alpha < {NARROW_ALPHA:g}: {names}")
+    if plan.apertures:
+        sizes = ", ".join("x".join(f"{2 * h:.3g}" for h in a.half_size) for a in plan.apertures[:6])
+        lines.append(f"  holes       {len(plan.apertures)} aperture(s) of at most {MAX_APERTURES}, sizes {sizes}")
+    if plan.small_objects:
+        halves = [item.half_extents for item, w in zip(compiled.objects, plan.object_weights, strict=True) if np.any(w > 0)]
+        sizes = ", ".join("x".join(f"{2 * h:.2g}" for h in half) for half in halves[:6])
+        more = ", ..." if len(halves) > 6 else ""
+        lines.append(f"  objects     {plan.small_objects} small object(s), sizes {sizes}{more}")
+    if plan.curved_shapes:
+        lines.append(f"  normals     {plan.curved_shapes} shape(s) with smooth normals")
+    aimed = len(plan.apertures) + len(plan.aimed_objects)
+    lines.append(f"aimed at      {len(plan.apertures)} aperture(s), {len(plan.aimed_objects)} small object(s)" if aimed
+                 else "aimed at      nothing")  # fmt: skip
+    lines.append("left out")
+    lines += [f"  {reason}" for reason in _left_out(scene, plan, features, chosen)]
+    lines.append("compiled in   " + ", ".join(sorted(k for k, v in features.items() if k.startswith("HAS_") and v)))
+    lines.append("compiled out  " + (", ".join(sorted(k for k, v in features.items() if k.startswith("HAS_") and not v)) or "nothing"))
+    return "\n".join(lines)
+
+
+def _left_out(scene: Scene, plan: Any, features: dict[str, Any], chosen: Settings) -> list[str]:
+    reasons = list(plan.left_out)
+    if not features["HAS_NARROW"]:
+        reasons.append("lobe constraints: no lobe is narrow")
+    if not plan.apertures and not scene.apertures:
+        reasons.append("hole constraints: the scene has no hole (inner boundary loop of an open planar piece)")
+    if not plan.small_objects:
+        reasons.append("object constraints: no object is small")
+    if not plan.curved_shapes:
+        reasons.append("normal constraints: all faces are flat")
+    if not chosen.drift:
+        reasons.append("the gradient of log pi: drift is off")
+    return reasons

@@ -1,0 +1,102 @@
+"""integrator="bdpt": the bidirectional independent sampler alone, a baseline without chains."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+import pyopencl as cl
+
+from ..sampler import FILM_SCALE, STEPS_PER_LAUNCH, Group, Sampler
+from ..statistics import LUMINANCE, BatchMeans
+
+STREAMS_CPU, STREAMS_GPU = 4096, 65536
+
+
+class Bidirectional:
+    """Shares its streams of samples among path lengths in proportion to the spread of their weights, from a pilot."""
+
+    unit = "samples"
+
+    def __init__(self, sampler: Sampler) -> None:
+        self.sampler = sampler
+        self.done = self.rays = self.not_finite = 0
+        self.launches = 0
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        return self.sampler.seconds
+
+    def prepare(self, seed: int, quick: bool) -> None:
+        device = self.sampler.device_scene
+        self.groups: list[Group] = self.sampler.weigh(1 << 14 if quick else 1 << 16, seed)
+        streams = STREAMS_GPU if device.device.type & cl.device_type.GPU else STREAMS_CPU
+        spreads = np.array([np.sqrt(group.weight_square_sum / group.weighed) for group in self.groups])
+        parts = []
+        first = 0
+        # a group that the pilot found empty may still hold light: it keeps a few streams, or the picture were biased
+        floor = 0.01 * spreads.max()
+        shares = np.maximum(spreads, floor)
+        for group, share in zip(self.groups, shares / shares.sum(), strict=True):
+            group.first, group.chains = first, max(int(round(streams * share)), 8)
+            part = np.zeros(group.chains, device.dtypes["ChainStart"])
+            part["length"], part["ending"], part["slot"] = group.length, group.ending, group.slot
+            part["scale"] = 1 / max(group.b, 1e-6 * max(g.b for g in self.groups))
+            parts.append(part)
+            first += group.chains
+        self.streams = first
+        self.scales = np.array([part["scale"][0] for part in parts], dtype=np.float64)
+        self._table = device.upload(np.concatenate(parts))
+        self._counters = device.zeros(first * device.dtypes["ChainCounters"].itemsize)
+        self._film = device.zeros(len(self.groups) * self.sampler.film_pixels * 24)
+        self._kernel = device.kernel("bdpt.cl", "render_independent")
+        self.batches = BatchMeans()
+        self._last, self._last_launches = np.zeros(1), 0
+
+    def advance(self) -> None:
+        device = self.sampler.device_scene
+        start = time.perf_counter()
+        device.launch(self._kernel, self.streams, np.uint32(self.sampler.seed), np.uint64(self.launches * STEPS_PER_LAUNCH),
+                      np.int32(STEPS_PER_LAUNCH), np.uint32(self.streams), self._table, self._counters, self._film,
+                      np.int32(self.sampler.film_pixels))  # fmt: skip
+        counts = device.read(self._counters, device.dtypes["ChainCounters"], self.streams)
+        cl.enqueue_fill_buffer(device.queue, self._counters, np.uint32(0), 0, counts.nbytes)
+        self.rays += int(counts["rays"].sum(dtype=np.int64))
+        self.not_finite += int(counts["not_finite"].sum(dtype=np.int64))
+        self.launches += 1
+        self.done += self.streams * STEPS_PER_LAUNCH
+        self.seconds["run"] += time.perf_counter() - start
+
+    def _sum(self) -> np.ndarray:
+        """The picture times the number of launches."""
+        camera = self.sampler.scene.camera
+        words = self.sampler.device_scene.read(self._film, np.dtype("<u8"), (len(self.groups), camera.height, camera.width, 3))
+        total = np.zeros(words.shape[1:])
+        for film, group, scale in zip(words, self.groups, self.scales, strict=True):
+            total += film / (FILM_SCALE * scale * group.chains * STEPS_PER_LAUNCH)
+        return total * self.sampler.film_pixels * self.sampler.compiled.radiance_scale
+
+    def end_batch(self) -> None:
+        if self.launches > self._last_launches:
+            total = self._sum() @ LUMINANCE
+            work = self.launches - self._last_launches
+            self.batches.add((total - self._last) / work, work)
+            self._last, self._last_launches = total, self.launches
+
+    def image(self) -> np.ndarray:
+        return self._sum() / max(self.launches, 1)
+
+    def variance(self) -> np.ndarray | None:
+        return self.batches.variance_of_mean()
+
+    def note(self) -> dict[str, str]:
+        return {}
+
+    def diagnostics(self) -> dict[str, Any]:
+        scale = self.sampler.compiled.radiance_scale
+        return {
+            "groups": {group.name: {"streams": group.chains, "b": group.b * scale, "b_error": group.b_error * scale}
+                       for group in self.groups},
+            "rays": self.rays, "not_finite_rejected": self.not_finite,
+        }  # fmt: skip

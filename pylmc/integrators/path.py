@@ -1,0 +1,88 @@
+"""integrator="path": a unidirectional path tracer, the baseline that every renderer has."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+import pyopencl as cl
+
+from ..sampler import Sampler
+from ..statistics import LUMINANCE, BatchMeans
+
+PIXELS_PER_LAUNCH = 1 << 18  # keeps a launch short on large films, for the progress bar and Ctrl-C
+
+
+class PathTracer:
+    """One sample per pixel and pass; the picture is the mean over whole passes."""
+
+    unit = "samples"
+
+    def __init__(self, sampler: Sampler) -> None:
+        self.sampler = sampler
+        self.done = self.rays = self.passes = 0
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        return self.sampler.seconds
+
+    def prepare(self, seed: int, quick: bool) -> None:
+        device = self.sampler.device_scene
+        self.seed = seed
+        self._film = device.zeros(self.sampler.film_pixels * 12)
+        self._counters = device.zeros(min(self.sampler.film_pixels, PIXELS_PER_LAUNCH) * device.dtypes["ChainCounters"].itemsize)
+        # a plain path tracer does not aim at holes
+        self._kernel = device.kernel("path_tracer.cl", "render_paths", NUM_TARGETS=0)
+        self.batches = BatchMeans()
+        self._sum = np.zeros((self.sampler.scene.camera.height, self.sampler.scene.camera.width, 3))
+        self._last, self._last_passes, self._pending = np.zeros(1), 0, 0
+
+    def advance(self) -> None:
+        device = self.sampler.device_scene
+        start = time.perf_counter()
+        pixels = self.sampler.film_pixels
+        for first in range(0, pixels, PIXELS_PER_LAUNCH):
+            count = min(PIXELS_PER_LAUNCH, pixels - first)
+            device.launch(self._kernel, count, np.uint32(self.seed), np.uint64(self.passes), np.int32(1),
+                          np.int32(self.sampler.settings.max_depth), np.int32(first), np.int32(count), self._counters,
+                          self._film)  # fmt: skip
+        device.queue.finish()
+        self.passes += 1
+        self.done += pixels
+        self._pending += 1
+        if self._pending == 64:
+            self._collect()
+        self.seconds["run"] += time.perf_counter() - start
+
+    def _collect(self) -> None:
+        """Move the device's float32 sums to the host's float64 ones before they lose digits."""
+        device = self.sampler.device_scene
+        self._sum += device.read(self._film, np.float32, self._sum.shape)
+        cl.enqueue_fill_buffer(device.queue, self._film, np.uint32(0), 0, self._film.size // 4 * 4)
+        counters = device.dtypes["ChainCounters"]
+        counts = device.read(self._counters, counters, self._counters.size // counters.itemsize)
+        cl.enqueue_fill_buffer(device.queue, self._counters, np.uint32(0), 0, counts.nbytes)
+        self.rays += int(counts["rays"].sum(dtype=np.int64))
+        self._pending = 0
+
+    def end_batch(self) -> None:
+        if self.passes > self._last_passes:
+            self._collect()
+            total = self._sum @ LUMINANCE * self.sampler.compiled.radiance_scale
+            work = self.passes - self._last_passes
+            self.batches.add((total - self._last) / work, work)
+            self._last, self._last_passes = total, self.passes
+
+    def image(self) -> np.ndarray:
+        self._collect()
+        return self._sum * (self.sampler.compiled.radiance_scale / max(self.passes, 1))
+
+    def variance(self) -> np.ndarray | None:
+        return self.batches.variance_of_mean()
+
+    def note(self) -> dict[str, str]:
+        return {"passes": str(self.passes)}
+
+    def diagnostics(self) -> dict[str, Any]:
+        return {"samples_per_pixel": self.passes, "rays": self.rays}

@@ -1,0 +1,189 @@
+"""Rendering: run an integrator for a time or an amount of work, and keep the picture whatever happens."""
+
+from __future__ import annotations
+
+import json
+import math
+import platform
+import signal
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyopencl
+from tqdm import tqdm
+
+from .errors import PylmcError
+from .integrators import Integrator
+from .integrators.bdpt import Bidirectional
+from .integrators.lmc import LangevinMonteCarlo
+from .integrators.path import PathTracer
+from .sampler import Sampler
+from .scene import Scene
+from .settings import INTEGRATORS, check_choice, check_precision
+from .statistics import relative_error
+
+BATCHES = 16  # the error estimate compares this many parts of the run
+QUICK_SECONDS, QUICK_MUTATIONS = 10, 1 << 23  # shorter renders spend less on the start
+DEFAULT_SECONDS = 30.0
+
+
+@dataclass(frozen=True, eq=False)
+class Render:
+    """A finished picture: ``image`` (height, width, 3) float32 linear RGB radiance, row 0 at the top, and ``diagnostics``.
+
+    ``variance`` is the estimated variance of the luminance per pixel (height, width), or None for very short renders.
+    """
+
+    image: np.ndarray
+    diagnostics: dict[str, Any] = field(repr=False)
+    variance: np.ndarray | None = field(default=None, repr=False)
+
+    def save(self, path: str | Path) -> list[Path]:
+        """Write ``path`` (OpenEXR, with metadata), and beside it a tone-mapped .png and the diagnostics as .json."""
+        from .image import write_exr, write_png
+
+        target = Path(path)
+        if target.suffix.lower() != ".exr":
+            raise PylmcError(f"{target}: pictures are saved as OpenEXR; give a name that ends in .exr")
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise PylmcError(f"{target.parent}: cannot make this folder: {error.strerror}") from None
+        d = self.diagnostics
+        metadata = {"seed": d["seed"], "configuration": json.dumps(d["configuration"]), "device": d["device"],
+                    "normalisation": d.get("b", "none"), "versions": json.dumps(d["versions"])}  # fmt: skip
+        write_exr(target, self.image, metadata)
+        write_png(target.with_suffix(".png"), self.image)
+        try:
+            target.with_suffix(".json").write_text(json.dumps(d, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise PylmcError(f"{target.with_suffix('.json')}: cannot be written: {error.strerror}") from None
+        return [target, target.with_suffix(".png"), target.with_suffix(".json")]
+
+
+@contextmanager
+def _gentle_interrupt() -> Iterator[threading.Event]:
+    """Ctrl-C sets an event, so that a launch under way is not lost; a second Ctrl-C interrupts as usual."""
+    asked = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield asked
+        return
+    before = signal.getsignal(signal.SIGINT)
+
+    def handle(number: int, frame: Any) -> None:
+        if asked.is_set():
+            raise KeyboardInterrupt
+        asked.set()
+
+    signal.signal(signal.SIGINT, handle)
+    try:
+        yield asked
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def render(
+    scene: Scene,
+    *,
+    seconds: float | None = None,
+    mutations_per_pixel: float | None = None,
+    seed: int = 0,
+    device: Any = None,
+    precision: str = "single",
+    integrator: str = "lmc",
+    max_depth: int = 8,
+    chart: str = "equal-area",
+    coordinates: str = "target",
+    rule: str = "sum",
+    drift: bool = False,
+    progress: bool = True,
+    **settings: Any,
+) -> Render:
+    """Render ``scene`` for ``seconds`` of run time, or ``mutations_per_pixel`` (samples, for bdpt and path).
+
+    Neither given: 30 seconds. ``seed`` and the work fix the picture on a given device. ``integrator``: ``lmc`` (chains),
+    ``bdpt`` (their independent sampler alone) or ``path`` (a path tracer). The rest are those of
+    :class:`pylmc.settings.Settings`; further ones may be given by name. Ctrl-C ends early with the picture so far and
+    ``diagnostics["interrupted"]`` set. Raises PylmcError for bad arguments, an unusable device, or a scene without light.
+    """
+    check_choice("integrator", integrator, INTEGRATORS)
+    check_precision(precision)
+    _check_budget(seconds, mutations_per_pixel, seed)
+    if seconds is None and mutations_per_pixel is None:
+        seconds = DEFAULT_SECONDS
+    sampler = Sampler(scene, device=device, max_depth=max_depth, chart=chart, coordinates=coordinates, rule=rule,
+                      drift=drift, **settings)  # fmt: skip
+    kinds: dict[str, Any] = {"lmc": LangevinMonteCarlo, "bdpt": Bidirectional, "path": PathTracer}
+    worker: Integrator = kinds[integrator](sampler)
+    with _gentle_interrupt() as asked:
+        work = None if mutations_per_pixel is None else mutations_per_pixel * sampler.film_pixels
+        quick = seconds < QUICK_SECONDS if seconds is not None else (work or 0) < QUICK_MUTATIONS
+        worker.prepare(seed, quick)
+        _run(worker, seconds, work, progress, asked)
+    image = worker.image()
+    variance = worker.variance()
+    run = worker.seconds["run"]
+    diagnostics = {
+        "scene_shapes": len(scene.shapes), "size": [scene.camera.width, scene.camera.height], "integrator": integrator,
+        "seed": seed, "device": sampler.device_scene.device.name.strip(),
+        "configuration": asdict(sampler.settings) | {"integrator": integrator, "precision": precision},
+        "versions": _versions(), "interrupted": asked.is_set(), worker.unit: worker.done,
+        f"{worker.unit}_per_second": worker.done / run if run else 0.0,
+        **worker.diagnostics(),
+        "relative_error": relative_error(image, variance),
+        "seconds": {"build": worker.seconds["build"], "compile": sampler.compile_seconds,
+                    "bootstrap": worker.seconds["bootstrap"], "run": run},
+    }  # fmt: skip
+    diagnostics["rays_per_second"] = diagnostics["rays"] / run if run else 0.0
+    if diagnostics.get("ess"):
+        diagnostics["ess_per_second"] = diagnostics["ess"] / run
+    single = np.nan_to_num(np.clip(image, 0, np.finfo(np.float32).max)).astype(np.float32)
+    return Render(single, diagnostics, variance)
+
+
+def _check_budget(seconds: float | None, mutations_per_pixel: float | None, seed: int) -> None:
+    if seconds is not None and mutations_per_pixel is not None:
+        raise PylmcError("give seconds or mutations_per_pixel, not both")
+    for name, value in (("seconds", seconds), ("mutations_per_pixel", mutations_per_pixel)):
+        if value is not None and not (math.isfinite(value) and value > 0):
+            raise PylmcError(f"{name}={value!r} must be a positive number")
+    if int(seed) != seed or not 0 <= seed < 2**32:
+        raise PylmcError(f"seed={seed!r}: give a whole number from 0 to {2**32 - 1}")
+
+
+def _run(worker: Integrator, seconds: float | None, work: float | None, progress: bool, asked: threading.Event) -> None:
+    """Advance until the budget is spent or somebody asks to stop, closing BATCHES batches on the way."""
+    start, goal = time.perf_counter(), float(seconds if seconds is not None else work or 0)
+    unit = "s" if seconds is not None else worker.unit
+    layout = "{desc} {percentage:3.0f}% |{bar}| time left {remaining}{postfix}"
+    with tqdm(total=goal, unit=unit, disable=not progress, desc="rendering", bar_format=layout) as bar:
+        batch, error = 1, None
+        spent = 0.0
+        while spent < goal and not asked.is_set():
+            worker.advance()
+            elapsed = time.perf_counter() - start
+            spent = elapsed if seconds is not None else float(worker.done)
+            if spent >= goal * batch / BATCHES:
+                worker.end_batch()
+                batch = int(spent / goal * BATCHES) + 1
+                if progress:
+                    error = relative_error(worker.image(), worker.variance())
+            bar.n = min(spent, goal)
+            note = {worker.unit + "/s": f"{worker.done / elapsed:.3g}", **worker.note()}
+            if error is not None:
+                note["error"] = f"{100 * error:.1f}%"
+            bar.set_postfix(note)
+    worker.end_batch()
+
+
+def _versions() -> dict[str, str]:
+    from . import __version__
+
+    return {"pylmc": __version__, "python": platform.python_version(), "numpy": np.__version__,
+            "pyopencl": pyopencl.VERSION_TEXT}  # fmt: skip
