@@ -1,6 +1,6 @@
 // Aimed directions (theory.md, 6: the independent sampler's first direction goes, part of the time, to a uniform point of an
 // aperture). Targets are apertures, aimed at uniformly in area, and small objects, aimed at uniformly in the cone of their
-// bounding sphere. Diffuse nodes aim too: light may bounce on either side of a hole before it passes.
+// bounding sphere. Diffuse nodes and the camera aim too: any segment may cross an aperture.
 #ifndef PYLMC_AIMING
 #define PYLMC_AIMING
 
@@ -9,6 +9,7 @@
 
 #define AIM_FROM_LIGHT 0.5f
 #define AIM_FROM_NODE 0.25f
+#define AIM_FROM_CAMERA 0.1f  // a hole that the camera looks through covers few pixels and may be the brightest thing
 
 #if NUM_TARGETS > 0
 

@@ -17,13 +17,14 @@ __kernel void render_independent(SCENE_PARAMETERS, uint seed, ulong first_step, 
         counters[index].proposed[0]++;
         if (!sample_path(&scene, group.length, group.ending, &rng, &path)) continue;
         Radiance radiance = integrand(&scene, &path);
+        if (!(radiance.log_i > LOG_ZERO)) continue;
         float weight = exp(radiance.log_i - log_independent_density(&scene, &path));
         if (!isfinite(weight)) {
             counters[index].not_finite++;
             continue;
         }
         counters[index].acceptance[0] += 1.0f;
-        film_add(film, slot + pixel_of(&scene, path.vertex[1].v), group.scale * weight * colour_over_luminance(&radiance));
+        film_add(film, slot + pixel_of(&scene, path.vertex[1].v), group.scale * weight * colour_over_target(&radiance));
     }
     counters[index].rays += scene.rays;
 }

@@ -1,5 +1,5 @@
 // The exact start (theory.md, 6): weigh many independent paths by I / p_ind, and draw again those that the host resampled in
-// proportion to it. A path is named by its group and number, so only weights leave the device.
+// proportion to it. A path is named by its group and number, so only weights and film positions leave the device.
 #include "chain_state.cl"
 
 #define PURPOSE_BOOTSTRAP 0u
@@ -13,14 +13,17 @@ float log_path_weight(Scene *scene, uint seed, uint group, uint number, int leng
     return isfinite(weight) ? weight : LOG_ZERO;
 }
 
-__kernel void weigh_candidates(SCENE_PARAMETERS, uint seed, uint group, int length, int ending, uint first, uint count, __global float *log_weights) {
+__kernel void weigh_candidates(SCENE_PARAMETERS, uint seed, uint group, int length, int ending, uint first, uint count, __global float *log_weights, __global float *positions) {
     uint index = get_global_id(0);
     if (index >= count) return;
     Scene scene = SCENE_BUNDLE;
     Path path;
     Radiance radiance;
     float log_p;
+    float2 position = (float2)(NAN);
     log_weights[index] = log_path_weight(&scene, seed, group, first + index, length, ending, &path, &radiance, &log_p);
+    if (log_weights[index] > LOG_ZERO) film_position(&scene, path.vertex[1].v, &position);
+    vstore2(position, index, positions);
 }
 
 __kernel void start_chains(SCENE_PARAMETERS, uint seed, uint chains, __global const ChainStart *starts, __global ChainState *states) {
@@ -37,5 +40,5 @@ __kernel void start_chains(SCENE_PARAMETERS, uint seed, uint chains, __global co
     state->slot = start.slot;
     state->log_i = radiance.log_i;
     state->log_p = log_p;
-    vstore3(colour_over_luminance(&radiance), 0, state->colour);
+    vstore3(colour_over_target(&radiance), 0, state->colour);
 }

@@ -54,7 +54,7 @@ __kernel void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int step
         float acceptance = exp(fmin(log_acceptance, 0.0f));
         if (acceptance < 1.0f) film_add(film, slot + pixel, (1.0f - acceptance) * colour);
         if (acceptance > 0.0f) {
-            float3 colour_new = colour_over_luminance(&radiance);
+            float3 colour_new = colour_over_target(&radiance);
             int pixel_new = pixel_of(&scene, y->vertex[1].v);
             film_add(film, slot + pixel_new, acceptance * colour_new);
             count->acceptance[move] += acceptance;

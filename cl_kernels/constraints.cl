@@ -60,9 +60,9 @@ void constrain_dependent_lobe(const Scene *scene, const Vertex *vertex, float3 s
     factor->constraints++;
 }
 
-// A node stays on its small object (12), (17), (19).
+// A node stays on its small object (12), (17), (19); an emitter that the path must land on counts as small at any size.
 void constrain_object(const Scene *scene, const Vertex *vertex, const Tangent *dx, int blocks, Factor *factor) {
-#if HAS_SMALL_OBJECTS
+#if HAS_SMALL_OBJECTS || HAS_EMITTERS
     __global const SceneObject *object = &scene->objects[scene->triangles[vertex->triangle].object];
     if (!object->small) return;
     for (int axis = 0; axis < 3; axis++) {

@@ -74,8 +74,14 @@ Tangent reference_tangent(const Scene *scene, const Vertex *vertex, Tangent dv, 
 #if HAS_TRANSMIT
     if (vertex->lobe == LOBE_TRANSMIT) {
         float eta = 1.0f / relative_ior(&scene->materials[vertex->material], vertex, -vertex->v);
-        float ci = -dot(vertex->v, n), ct = sqrt(fmax(1e-4f, 1.0f - eta * eta * (1.0f - ci * ci)));
+        float ci = -dot(vertex->v, n), ct2 = 1.0f - eta * eta * (1.0f - ci * ci);
         float8 dci = -(tangent_dot(n, dv) + tangent_dot(vertex->v, dn));
+        if (ct2 <= 0.0f) {  // total reflection: s runs along the surface
+            float3 along = eta * vertex->v + eta * ci * n;
+            Tangent d = tangent_add(tangent_add(tangent_times(dv, (float8)(eta)), tangent_scaled(n, eta * dci)), tangent_times(dn, (float8)(eta * ci)));
+            return tangent_times(tangent_across(normalize(along), d), (float8)(rsqrt(fmax(length2(along), 1e-12f))));
+        }
+        float ct = sqrt(fmax(ct2, 1e-4f));
         float8 dct = eta * eta * ci / ct * dci;
         return tangent_add(tangent_add(tangent_times(dv, (float8)(eta)), tangent_scaled(n, eta * dci - dct)), tangent_times(dn, (float8)(eta * ci - ct)));
     }

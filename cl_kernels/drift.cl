@@ -1,5 +1,6 @@
 // The drift a = T T^T grad log pi (theory.md, 3), from the tangents of the preconditioner's sweep (compiled in on demand).
-// The density that it climbs is that of the charts' own coordinates: log I plus log dsigma/ddelta of each direction.
+// The density that it climbs is that of the charts' own coordinates: log of luminance plus log dsigma/ddelta of each direction (the target's weight
+// over the film, which is all but constant at the scale of a step, is left out).
 #ifndef PYLMC_DRIFT
 #define PYLMC_DRIFT
 

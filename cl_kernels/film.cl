@@ -7,6 +7,7 @@
 #define FILM_SCALE 16777216.0f  // 2^24 to the unit: values near 1 keep all of a float's digits
 
 void film_add_channel(__global volatile uint *word, float value) {
+    if (!(value > 0.0f)) return;  // nothing, or NaN, which must not reach the film
     float scaled = fmin(value * FILM_SCALE, 1.8e19f) + 0.5f;
     uint high = (uint)(scaled * 2.3283064365386963e-10f);  // 2^-32
     uint low = (uint)(scaled - (float)high * 4294967296.0f);

@@ -13,8 +13,8 @@ bool draw_from_camera(Scene *scene, Path *path, int k, Rng *rng) {
     for (int i = 1; i <= k; i++) {
         float3 direction;
         if (i == 1) {
-            float px = rng_uniform(rng), py = rng_uniform(rng);
-            direction = film_direction(scene, (float2)(px, py));
+            direction = sample_camera(scene, rng);
+            if (!(camera_importance(scene, direction) > 0.0f)) return false;
         } else {
             Vertex *from = &path->vertex[i - 1];
             if (!lobe_sample(scene, from, -from->v, rng, &direction)) return false;
@@ -83,7 +83,7 @@ bool sample_path(Scene *scene, int length, int ending, Rng *rng, Path *path) {
         return visible(scene, origin, normal, far->x, far->ng);
     }
     settle_lobes(scene, path);
-    return emitter_at(scene, &path->vertex[length]) != 0;
+    return integrand(scene, path).log_i > LOG_ZERO;
 }
 
 // log p_ind of any path.
@@ -120,7 +120,7 @@ float log_independent_density(const Scene *scene, const Path *path) {
         if (k > 0) {
             const Vertex *from = &path->vertex[k - 1];
             float3 direction = path->vertex[k].v;
-            from_camera += log(k == 1 ? camera_importance(scene, direction) : lobe_density(scene, from, -from->v, direction));
+            from_camera += log(k == 1 ? camera_density(scene, direction) : lobe_density(scene, from, -from->v, direction));
         }
         float term = from_camera + from_light[k];
         if (term > LOG_ZERO) {

@@ -4,6 +4,9 @@
 //
 // kept as a colour and a logarithm, C = colour * exp(log_scale): near-mirrors and narrow holes overflow float32 otherwise.
 // Visibility is the business of whoever built the path.
+//
+// The chain's target may be any positive scalar of C: it is I = luminance of C, times a weight of the film position that
+// evens out the noise of dark and bright parts (pylmc/evenness.py). Splats carry C / I, so the picture does not change.
 #ifndef PYLMC_INTEGRAND
 #define PYLMC_INTEGRAND
 
@@ -15,10 +18,12 @@
 
 typedef struct {
     float3 colour;   // C / exp(log_scale)
-    float log_i;     // log of I = luminance of C, the chain's target density; LOG_ZERO where C = 0
+    float log_i;     // log of I, the chain's target density; LOG_ZERO where C = 0
+    float weight;    // of the film position
 } Radiance;
 
-float3 colour_over_luminance(const Radiance *c) { return c->colour / luminance(c->colour); }
+// C / I.
+float3 colour_over_target(const Radiance *c) { return c->colour / (c->weight * luminance(c->colour)); }
 
 Radiance integrand(const Scene *scene, const Path *path) {
     Radiance c;
@@ -44,7 +49,8 @@ Radiance integrand(const Scene *scene, const Path *path) {
     if (path->ending == ENDING_HIT) c.colour *= emitted_radiance(scene, last, last->v);
 #endif
     float brightness = luminance(c.colour);
-    if (brightness > 0.0f) c.log_i = log_scale + log(brightness);
+    c.weight = film_weight(scene, path->vertex[1].v);
+    if (brightness > 0.0f) c.log_i = log_scale + log(brightness * c.weight);
     return c;
 }
 

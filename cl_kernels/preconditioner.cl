@@ -63,6 +63,10 @@ void precondition(const Scene *scene, const Path *path, int m, float3 p, const C
 #endif
             dx[b] = node_tangent(next, dx[b], dv[b]);
 #if DRIFT
+#if CHART == CHART_ORTHOGRAPHIC
+            if (chart->kind == KIND_DEVIATION)
+                gradient->block[b] += (chart->omega.x * unit1 + chart->omega.y * unit2) / fmax(1.0f - dot(chart->omega, chart->omega), 1e-6f);
+#endif
             if (chart->kind >= KIND_NODE) {
                 Tangent moved = tangent_sub(tangent_add(tangent_scaled(chart->e1, unit1), tangent_scaled(chart->e2, unit2)), dx0[b]);
                 gradient_add_target(chart->normal, next->v, distance(chart->anchor, x), b, dv[b], moved, gradient);
@@ -80,7 +84,7 @@ void precondition(const Scene *scene, const Path *path, int m, float3 p, const C
         for (int b = 0; b < blocks; b++) dn[b] = normal_tangent(&curvature, dx[b]);
         if (chart->kind == KIND_DEVIATION) constrain_free_lobe(scene, here, chart, 2 * j - 2, factor);
         constrain_apertures(scene, x, next, dx0, dx, chart->kind - KIND_APERTURE, blocks, factor);
-        constrain_object(scene, next, dx, blocks, factor);
+        if (HAS_SMALL_OBJECTS || j == path->length) constrain_object(scene, next, dx, blocks, factor);
         constrain_normal(&curvature, dn, blocks, factor);
         x = next->x;
     }

@@ -3,6 +3,7 @@
 #ifndef PYLMC_RANDOM
 #define PYLMC_RANDOM
 
+#include "vectors.cl"
 #include <pyopencl-random123/philox.cl>
 
 typedef struct {

@@ -25,6 +25,7 @@ typedef struct {
     __global const Aperture *apertures;
     __global const Target *targets;
     __global const Camera *camera;
+    __global const float *evenness;
     uint rays;  // rays traced so far, a statistic
 } Scene;
 
@@ -35,11 +36,12 @@ typedef struct {
         __global const TextureInfo *textures, __global const float *texels, __global const SceneObject *objects,  \
         __global const Emitter *emitters, __global const float *emitter_cdf,                                      \
         __global const int *emitter_triangles, __global const PointLight *points,                                 \
-        __global const Aperture *apertures, __global const Target *targets, __global const Camera *camera
+        __global const Aperture *apertures, __global const Target *targets, __global const Camera *camera,                         \
+        __global const float *evenness
 
 #define SCENE_BUNDLE                                                                                               \
     { nodes, leaves, vertices, faces, normals, uvs, triangles, materials, textures, texels, objects, emitters,     \
-      emitter_cdf, emitter_triangles, points, apertures, targets, camera, 0u }
+      emitter_cdf, emitter_triangles, points, apertures, targets, camera, evenness, 0u }
 
 float3 load3(__global const float *p, int i) { return vload3(i, p); }
 float3 vec3(__global const float *p) { return (float3)(p[0], p[1], p[2]); }

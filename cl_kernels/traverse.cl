@@ -36,10 +36,10 @@ typedef struct {
 
 typedef struct {
     float3 origin, inverse;
-    int3 near;     // which plane of each axis the ray meets first
-    int3 axis;     // a permutation of the axes, the ray's longest last
-    float3 sheared; // the origin in that permutation
-    float3 shear;  // maps the direction to (0, 0, 1) in that permutation
+    int3 near;       // which plane of each axis the ray meets first
+    int3 axis;       // a permutation of the axes, the ray's longest last
+    float3 permuted; // the origin in that permutation
+    float3 shear;    // maps the direction to (0, 0, 1) in that permutation
 } BvhRay;
 
 #define BVH_NONE INT_MAX
@@ -61,15 +61,15 @@ BvhRay bvh_ray(float3 origin, float3 direction) {
     const float3 size = fabs(direction);
     if (size.x >= size.y && size.x >= size.z) {
         ray.axis = (int3)(1, 2, 0);
-        ray.sheared = origin.yzx;
+        ray.permuted = origin.yzx;
         direction = direction.yzx;
     } else if (size.y >= size.z) {
         ray.axis = (int3)(2, 0, 1);
-        ray.sheared = origin.zxy;
+        ray.permuted = origin.zxy;
         direction = direction.zxy;
     } else {
         ray.axis = (int3)(0, 1, 2);
-        ray.sheared = origin;
+        ray.permuted = origin;
     }
     ray.shear = (float3)(direction.x / direction.z, direction.y / direction.z, 1.0f / direction.z);
     return ray;
@@ -96,7 +96,7 @@ bvh_int bvh_enter(__global const BvhNode *node, const BvhRay *ray, float t_max, 
 bvh_int bvh_leaf(__global const BvhLeaf *leaf, const BvhRay *ray, float t_max,
                  bvh_float *t_out, bvh_float *u_out, bvh_float *v_out) {
     const int3 axis = ray->axis;
-    const float3 o = ray->sheared, shear = ray->shear;
+    const float3 o = ray->permuted, shear = ray->shear;
     const bvh_float az = leaf->corner[axis.z] - o.z;
     const bvh_float bz = leaf->corner[3 + axis.z] - o.z;
     const bvh_float cz = leaf->corner[6 + axis.z] - o.z;

@@ -1,34 +1,74 @@
-"""pylmc: Markov-chain light transport on any OpenCL device, with constraint-preconditioned Langevin proposals."""
+"""pylmc: Markov-chain light transport on any OpenCL device, with constraint-preconditioned Langevin proposals.
+
+Names are imported when they are first used, so that ``import pylmc`` costs next to nothing. No module may be called as
+one of these names is: importing it would put the module in the name's place.
+"""
 
 from __future__ import annotations
 
-from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING, Any
 
-from .errors import PylmcError
-from .info import info
-from .loading import load
-from .raytracer import RayTracer
-from .render import Render, render
-from .sampler import Sampler, States
-from .scene import (
-    Aperture,
-    Camera,
-    Diffuse,
-    MetallicRoughness,
-    PointLight,
-    RoughConductor,
-    RoughDielectric,
-    Scene,
-    Shape,
-    Texture,
-)
+if TYPE_CHECKING:
+    from .errors import PylmcError
+    from .inspection import info
+    from .loading import load
+    from .raytracer import RayTracer
+    from .rendering import Render, render
+    from .sampler import Sampler, States
+    from .scene import (
+        Aperture,
+        Camera,
+        Diffuse,
+        MetallicRoughness,
+        PointLight,
+        RoughConductor,
+        RoughDielectric,
+        Scene,
+        Shape,
+        Texture,
+    )
 
-try:
-    __version__ = version("pylmc")
-except PackageNotFoundError:  # run from a checkout that is not installed
-    __version__ = "0.0.0"
+    __version__: str
 
 __all__ = [
     "Aperture", "Camera", "Diffuse", "MetallicRoughness", "PointLight", "PylmcError", "RayTracer", "Render",
     "RoughConductor", "RoughDielectric", "Sampler", "Scene", "Shape", "States", "Texture", "info", "load", "render",
 ]  # fmt: skip
+
+_HOME = {
+    "errors": ("PylmcError",),
+    "inspection": ("info",),
+    "loading": ("load",),
+    "raytracer": ("RayTracer",),
+    "rendering": ("Render", "render"),
+    "sampler": ("Sampler", "States"),
+    "scene": ("Aperture", "Camera", "Diffuse", "MetallicRoughness", "PointLight", "RoughConductor", "RoughDielectric",
+              "Scene", "Shape", "Texture"),
+}  # fmt: skip
+_MODULE_OF = {name: module for module, names in _HOME.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        value: Any = _version()
+    elif name in _MODULE_OF:
+        from importlib import import_module
+
+        value = getattr(import_module(f".{_MODULE_OF[name]}", __name__), name)
+    else:
+        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__, "__version__"})
+
+
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("pylmc")
+    except PackageNotFoundError:  # run from a checkout that is not installed
+        return "0.0.0"

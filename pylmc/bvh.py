@@ -27,8 +27,7 @@ class Bvh:
 
     ``nodes`` is (n, 8, width) float32: rows 0 to 2 the children's low corners, 3 to 5 the high corners, row 6 the
     children as int32 (an inner node's index, or ~index of a leaf), row 7 unused. ``leaves`` is (m, 10, width) float32:
-    x, y, z of the three corners, then the triangle's number as int32. ``depth`` counts levels
-    of nodes.
+    x, y, z of the three corners, then the triangle's number as int32. ``depth`` counts levels of nodes.
     """
 
     nodes: np.ndarray
@@ -91,7 +90,7 @@ def check_mesh(vertices: Any, faces: Any) -> tuple[np.ndarray, np.ndarray]:
         bad = int(np.flatnonzero(~np.isfinite(vertices).all(axis=1))[0])
         raise PylmcError(f"mesh: vertex {bad} is NaN, infinite or beyond single precision")
     if np.abs(vertices).max() > LARGEST:
-        raise PylmcError(f"mesh: coordinates exceed {LARGEST:g}, where single-precision intersections overflow; rescale")
+        raise PylmcError(f"mesh: coordinates beyond {LARGEST:g} overflow in single precision; rescale the mesh")
     return vertices, faces
 
 

@@ -7,11 +7,15 @@ with 130; an interrupted render writes the picture so far first.
 from __future__ import annotations
 
 import argparse
+import importlib
 import inspect
+import io
 import math
 import os
 import re
+import signal
 import sys
+import threading
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
@@ -47,8 +51,24 @@ class _Parser(argparse.ArgumentParser):
         raise PylmcError(f"{message} (see `{self.prog} --help`)")
 
 
+class _Version(argparse.Action):
+    """--version, looked up only when asked for."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str, help: str | None = None) -> None:
+        super().__init__(option_strings, dest, nargs=0, help=help)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> NoReturn:
+        from . import __version__
+
+        print(f"pylmc {__version__}")
+        parser.exit()
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command with ``arguments`` (``sys.argv[1:]`` if None) and return its exit code."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # a file's name must not break a terminal of few characters
     try:
         options = _parser().parse_args(arguments)
         code: int = options.run(options)
@@ -65,11 +85,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
 
 
+def _import(*modules: str) -> None:
+    """Import modules of the package; a Ctrl-C meanwhile takes effect afterwards.
+
+    trimesh guards its optional imports with ``except BaseException`` and would swallow it.
+    """
+    asked = threading.Event()
+    in_main_thread = threading.current_thread() is threading.main_thread()
+    before = signal.signal(signal.SIGINT, lambda *_: asked.set()) if in_main_thread else None
+    try:
+        for module in modules:
+            importlib.import_module(f".{module}", __package__)
+    finally:
+        if in_main_thread:
+            signal.signal(signal.SIGINT, before)
+    if asked.is_set():
+        raise KeyboardInterrupt
+
+
 # --- commands ---------------------------------------------------------------------------------------------------------
 
 
 def _render(options: argparse.Namespace) -> int:
     _refuse_contradictions(options)
+    _import("loading", "rendering")
     scene_name, parameters = parse_scene(options.scene)
     output = check_output(options.output or Path(f"{Path(scene_name).stem}.exr"))
     import pylmc
@@ -77,9 +116,7 @@ def _render(options: argparse.Namespace) -> int:
     from . import devices
 
     devices.select(options.device)  # complain about the device before a scene is loaded
-    scene = pylmc.load(scene_name, auto_camera=options.auto_camera, auto_light=options.auto_light, **parameters)
-    if options.size:
-        scene = scene.with_size(*options.size)
+    scene = _load(options, scene_name, parameters)
     seconds = options.seconds
     if seconds is None and options.mutations_per_pixel is None:
         seconds = DEFAULT_SECONDS
@@ -95,12 +132,14 @@ def _render(options: argparse.Namespace) -> int:
         progress=not options.quiet,
         **_sampler_options(options),
     )
+    interrupted = bool(picture.diagnostics.get("interrupted"))
+    if interrupted and 0 in (picture.diagnostics.get("mutations"), picture.diagnostics.get("samples")):
+        raise KeyboardInterrupt  # a black picture must not replace an earlier one
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
         written = picture.save(output)
     except OSError as error:
         raise PylmcError(f"cannot write {output}: {error.strerror or error}") from None
-    interrupted = bool(picture.diagnostics.get("interrupted"))
     if interrupted:
         print("pylmc: interrupted; the picture so far was written", file=sys.stderr)
     if not options.quiet:
@@ -109,12 +148,11 @@ def _render(options: argparse.Namespace) -> int:
 
 
 def _info(options: argparse.Namespace) -> int:
+    _import("loading", "inspection")
     scene_name, parameters = parse_scene(options.scene)
     import pylmc
 
-    scene = pylmc.load(scene_name, auto_camera=options.auto_camera, auto_light=options.auto_light, **parameters)
-    if options.size:
-        scene = scene.with_size(*options.size)
+    scene = _load(options, scene_name, parameters)
     print(pylmc.info(scene, max_depth=options.max_depth, **_sampler_options(options)))
     return 0
 
@@ -173,6 +211,14 @@ def _scenes(options: argparse.Namespace) -> int:
     return 0
 
 
+def _load(options: argparse.Namespace, name: str, parameters: dict[str, Any]) -> Any:
+    import pylmc
+
+    width, height = options.size or (None, None)
+    return pylmc.load(name, width=width, height=height, auto_camera=options.auto_camera, auto_light=options.auto_light,
+                      **parameters)  # fmt: skip
+
+
 # --- reading arguments ------------------------------------------------------------------------------------------------
 
 
@@ -181,6 +227,8 @@ def parse_scene(text: str) -> tuple[str, dict[str, Any]]:
     from .loading import BUILT_IN
 
     name, colon, rest = text.partition(":")
+    if not text.strip():
+        raise PylmcError("no scene is given; name a file or a built-in scene (`pylmc scenes`)")
     if name not in BUILT_IN and Path(text).exists():
         if Path(text).is_dir():
             raise PylmcError(f"scene '{text}' is a folder; name a .gltf or .glb file in it")
@@ -192,7 +240,7 @@ def parse_scene(text: str) -> tuple[str, dict[str, Any]]:
         key, equals, value = (piece.strip() for piece in part.partition("="))
         if not (equals and value and re.fullmatch(r"[A-Za-z_]\w*", key)):
             raise PylmcError(f"scene '{text}': '{part}' is not of the form name=value")
-        if key in ("name_or_path", "auto_camera", "auto_light"):  # load()'s own, which no scene has
+        if key in ("name_or_path", "auto_camera", "auto_light", "width", "height"):  # load()'s own, which no scene has
             raise PylmcError(f"scene '{text}' has no parameter '{key}'")
         if key in parameters:
             raise PylmcError(f"scene '{text}': parameter '{key}' is given twice")
@@ -275,8 +323,8 @@ def _depth(text: str) -> int:
 
 
 def _seed(text: str) -> int:
-    if not text.isdecimal() or int(text) >= 2**64:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a seed; give a whole number from 0 to 2^64-1")
+    if not text.isdecimal() or int(text) >= 2**32:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a seed; give a whole number from 0 to {2**32 - 1}")
     return int(text)
 
 
@@ -284,12 +332,6 @@ def _seed(text: str) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    from importlib.metadata import PackageNotFoundError, version
-
-    try:
-        installed = version("pylmc")
-    except PackageNotFoundError:  # run from a checkout that was not installed
-        installed = "unknown"
     parser = _Parser(
         prog="pylmc",
         description="Markov-chain light transport on any OpenCL device, with constraint-preconditioned proposals.",
@@ -297,7 +339,7 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
-    parser.add_argument("--version", action="version", version=f"pylmc {installed}")
+    parser.add_argument("--version", action=_Version, help="show the version and exit")
     commands = parser.add_subparsers(metavar="COMMAND", required=True, title="commands")
 
     def command(name: str, run: Any, summary: str, more: str = "") -> argparse.ArgumentParser:

@@ -15,6 +15,7 @@ import numpy as np
 
 from . import bvh, layout
 from .errors import PylmcError
+from .evenness import GRID
 from .materials import Diffuse, Material, MetallicRoughness, RoughConductor, RoughDielectric, Texture
 from .objects import SceneObject, find_objects
 from .preconditioner import NARROW_ALPHA, ConstraintPlan, plan_constraints, roughness
@@ -88,7 +89,7 @@ def compile_scene(scene: Scene) -> CompiledScene:
         "emitters": lights["emitters"], "emitter_cdf": lights["emitter_cdf"],
         "emitter_triangles": lights["emitter_triangles"], "points": lights["points"],
         "apertures": _apertures(plan, centre, scale), "targets": _targets(plan, objects, centre, scale),
-        "camera": _camera(scene, centre, scale),
+        "camera": _camera(scene, centre, scale), "evenness": np.ones((GRID, GRID), np.float32),
     }  # fmt: skip
     kinds = [shape.material for shape in scene.shapes]
     glossy = [alpha for alpha in map(roughness, kinds) if alpha is not None]
@@ -140,7 +141,8 @@ def _material_record(material: Material, textures: list[Texture]) -> np.ndarray:
         record["choose_diffuse"] = 1
         return record
     metallic = material.metallic
-    record["diffuse"] = factor * (1 - metallic)
+    # what the dielectric coat reflects at normal incidence does not reach the diffuse base
+    record["diffuse"] = factor * (1 - metallic) * (1 - 0.04)
     record["specular"] = 0.04 * (1 - metallic)
     record["specular_tinted"] = factor * metallic
     record["schlick"] = 1
@@ -155,7 +157,7 @@ def _materials(shapes: Sequence[Shape]) -> tuple[np.ndarray, np.ndarray, dict[st
     """Material records, each shape's index into them, and the textures they use."""
     textures: list[Texture] = []
     index_of: dict[int, int] = {}
-    records = []
+    records: list[np.ndarray] = []
     for shape in shapes:
         if id(shape.material) not in index_of:
             index_of[id(shape.material)] = len(records)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 import pyopencl as cl
 
-from . import layout, program, structs
+from . import evenness, layout, program, structs
 from .compiled import CompiledScene
 from .devices import context_and_queue, select
 from .errors import PylmcError
@@ -22,7 +24,7 @@ SCENE_ARGUMENTS: dict[str, str | None] = {
     "nodes": None, "leaves": None, "vertices": None, "faces": None, "normals": None, "uvs": None,
     "triangles": "TriangleInfo", "materials": "Material", "textures": "TextureInfo", "texels": None,
     "objects": "SceneObject", "emitters": "Emitter", "emitter_cdf": None, "emitter_triangles": None,
-    "points": "PointLight", "apertures": "Aperture", "targets": "Target", "camera": "Camera",
+    "points": "PointLight", "apertures": "Aperture", "targets": "Target", "camera": "Camera", "evenness": None,
 }  # fmt: skip
 
 
@@ -65,12 +67,28 @@ class DeviceScene:
         self._check_size(data.nbytes)
         return cl.Buffer(self.context, cl.mem_flags.READ_WRITE | cl.mem_flags.COPY_HOST_PTR, hostbuf=data)
 
+    def set_evenness(self, weights: np.ndarray) -> None:
+        """Give the target its weights over the film (see pylmc.evenness)."""
+        self.buffers[list(SCENE_ARGUMENTS).index("evenness")] = self.upload(weights)
+
     def zeros(self, nbytes: int) -> cl.Buffer:
         """A zero-filled device buffer."""
         self._check_size(nbytes)
         buffer = cl.Buffer(self.context, cl.mem_flags.READ_WRITE, max(nbytes, 16))
-        cl.enqueue_fill_buffer(self.queue, buffer, np.uint32(0), 0, max(nbytes, 16) // 4 * 4)
+        self.clear(buffer)
         return buffer
+
+    def clear(self, buffer: cl.Buffer) -> None:
+        """Fill a buffer, whose size is a multiple of four bytes, with zeros."""
+        cl.enqueue_fill_buffer(self.queue, buffer, np.zeros(1, np.uint32), 0, buffer.size)
+
+    @contextmanager
+    def compiling(self) -> Iterator[None]:
+        """Count what happens here as compile time: some implementations compile for real at a kernel's first launch."""
+        start = time.perf_counter()
+        yield
+        self.queue.finish()
+        self.compile_seconds += time.perf_counter() - start
 
     def _check_size(self, nbytes: int) -> None:
         limit = self.device.max_mem_alloc_size
@@ -83,12 +101,12 @@ class DeviceScene:
         """Kernel ``name`` of ``source``, specialised to the scene and settings; ``extra`` overrides constants."""
         key = source + repr(sorted(extra.items()))
         if key not in self._programs:
-            start = time.perf_counter()
             features = self.compiled.features
             deviates = self.settings.coordinates == "deviation" or features["HAS_NARROW"]
-            defines = {**features, **self.settings.defines(), "HAS_DEVIATION": deviates, **extra}
-            self._programs[key] = program.build(self.context, source, defines=defines, structs=self._declarations)
-            self.compile_seconds += time.perf_counter() - start
+            defines = {**features, **self.settings.defines(), "HAS_DEVIATION": deviates,
+                       "EVENNESS_GRID": evenness.GRID, **extra}
+            with self.compiling():
+                self._programs[key] = program.build(self.context, source, defines=defines, structs=self._declarations)
         return cl.Kernel(self._programs[key], name)
 
     def launch(self, kernel: cl.Kernel, count: int, *arguments: Any) -> None:

@@ -20,7 +20,9 @@ def scene_module(name: str) -> ModuleType:
     """The module of a built-in scene: installed as pylmc.scenes, or ``scenes/`` beside the package in a checkout."""
     if importlib.util.find_spec("pylmc.scenes") is None:
         folder = Path(__file__).resolve().parent.parent / "scenes"
-        spec = importlib.util.spec_from_file_location("pylmc.scenes", folder / "__init__.py", submodule_search_locations=[str(folder)])
+        spec = importlib.util.spec_from_file_location(
+            "pylmc.scenes", folder / "__init__.py", submodule_search_locations=[str(folder)]
+        )
         if spec is None or spec.loader is None or not folder.is_dir():
             raise PylmcError(f"the built-in scenes are missing (no {folder}); reinstall pylmc")
         package = importlib.util.module_from_spec(spec)
@@ -35,22 +37,36 @@ def parameters(name: str) -> dict[str, Any]:
     return {p.name: p.default for p in signature.parameters.values() if p.name not in ("width", "height")}
 
 
-def load(name_or_path: str | Path, *, auto_camera: bool = False, auto_light: bool = False, **values: Any) -> Scene:
-    """A built-in scene by name, with its parameters, or a glTF/GLB file.
+def load(
+    name_or_path: str | Path,
+    *,
+    width: int | None = None,
+    height: int | None = None,
+    auto_camera: bool = False,
+    auto_light: bool = False,
+    **values: Any,
+) -> Scene:
+    """A built-in scene by name, with its parameters, or a glTF/GLB file, on a film of ``width`` × ``height`` pixels.
 
-    ``auto_camera`` and ``auto_light`` frame and light a file that has no camera or light. Raises PylmcError for an unknown
-    name or parameter, a value out of range, and a missing or unreadable file.
+    A side that is not given is the scene's own (256). ``auto_camera`` and ``auto_light`` frame and light a file that
+    has no camera or light. Raises PylmcError for an unknown name or parameter, a value out of range, and a missing or
+    unreadable file.
     """
     name = str(name_or_path)
     if name in BUILT_IN:
-        return _build(name, values)
+        scene = _build(name, values)
+        if width is None and height is None:
+            return scene
+        camera = scene.camera
+        return scene.with_size(camera.width if width is None else width, camera.height if height is None else height)
     path = Path(name)
     if path.suffix.lower() in (".gltf", ".glb"):
         if values:
             raise PylmcError(f"{path}: a file takes no parameters, but '{next(iter(values))}' was given")
         from .importers.gltf import load_gltf
 
-        return load_gltf(path, auto_camera=auto_camera, auto_light=auto_light)
+        film = {side: value for side, value in (("width", width), ("height", height)) if value is not None}
+        return load_gltf(path, auto_camera=auto_camera, auto_light=auto_light, **film)
     if path.exists():
         raise PylmcError(f"{path}: unknown kind of scene file '{path.suffix}'; pylmc reads .gltf and .glb")
     raise PylmcError(f"there is no scene '{name}': neither a built-in one ({', '.join(BUILT_IN)}) nor a file")

@@ -124,7 +124,7 @@ class RoughDielectric:
 class MetallicRoughness:
     """glTF's material: a diffuse and a GGX lobe, blended by ``metallic``; alpha = roughness squared.
 
-    diffuse = base_color (1 - metallic); specular F0 = mix(0.04, base_color, metallic) with Schlick's Fresnel.
+    diffuse = 0.96 base_color (1 - metallic); specular F0 = mix(0.04, base_color, metallic) with Schlick's Fresnel.
     """
 
     base_color: Any = 1.0

@@ -8,7 +8,7 @@ reference that the kernels are tested against.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -31,7 +31,8 @@ class ConstraintPlan:
     """The constraints that a scene has. Sizes are relative to ``scene_radius``.
 
     ``object_weights`` (objects, 3) are inverse half-extents along each object's axes, in inverse scene units, 0 where
-    the constraint is infinite; ``aimed_objects`` indexes the objects that the independent sampler aims at.
+    the constraint is infinite: those of the ``small_objects``, and of the ``emitters`` among the objects, on which paths
+    that hit must land and which count as small at any size. ``aimed_objects`` indexes the objects that the independent sampler aims at.
     ``left_out`` says in words what was dropped and why.
     """
 
@@ -39,14 +40,11 @@ class ConstraintPlan:
     glossy_materials: int
     apertures: tuple[Aperture, ...]
     object_weights: np.ndarray
+    small_objects: int
+    emitters: int
     aimed_objects: tuple[int, ...]
     curved_shapes: int
-    left_out: tuple[str, ...] = field(default=())
-
-    @property
-    def small_objects(self) -> int:
-        """How many objects carry the small-object constraint."""
-        return int(np.any(self.object_weights > 0, axis=1).sum())
+    left_out: tuple[str, ...] = ()
 
 
 def roughness(material: Any) -> float | None:
@@ -74,24 +72,30 @@ def plan_constraints(scene: Scene, objects: Sequence[SceneObject], radius: float
         left_out.append(f"{len(apertures) - MAX_APERTURES} aperture(s) beyond the {MAX_APERTURES} smallest")
         apertures = sorted(apertures, key=lambda a: a.half_size[0] * a.half_size[1])[:MAX_APERTURES]
 
+    emitting = {i for i, shape in enumerate(scene.shapes) if shape.emission}
     weights = np.zeros((len(objects), 3))
+    small = 0
     for index, item in enumerate(objects):
         half = np.asarray(item.half_extents)
-        if np.sort(half)[1] < SMALL * radius:
-            bounded = (half < SMALL * radius) & (half > FLAT * half.max())
+        extended = half > FLAT * half.max()
+        if item.shape in emitting:
+            weights[index, extended] = 1 / half[extended]
+        elif np.sort(half)[1] < SMALL * radius:
+            bounded = extended & (half < SMALL * radius)
             weights[index, bounded] = 1 / half[bounded]
-    large = len(objects) - int(np.any(weights > 0, axis=1).sum())
+            small += 1
+    large = sum(item.shape not in emitting for item in objects) - small
     if large:
         left_out.append(f"{large} object(s) that are not small (two half-extents below {SMALL:g} scene radii)")
 
-    emitting = {i for i, shape in enumerate(scene.shapes) if shape.emission}
     aimed = [i for i, item in enumerate(objects)
              if item.bounding_radius < AIM_RADIUS * radius and item.shape not in emitting]  # fmt: skip
     if len(aimed) > MAX_AIMED_OBJECTS:
         left_out.append(f"aiming at {len(aimed)} small objects: more than {MAX_AIMED_OBJECTS}, none is special")
         aimed = []
     curved = sum(shape.vertex_normals() is not None for shape in scene.shapes)
-    return ConstraintPlan(narrow, len(glossy), tuple(apertures), weights, tuple(aimed), curved, tuple(left_out))
+    return ConstraintPlan(narrow, len(glossy), tuple(apertures), weights, small,
+                          sum(item.shape in emitting for item in objects), tuple(aimed), curved, tuple(left_out))
 
 
 def combine(rows: np.ndarray, owners: np.ndarray, rule: str = "sum") -> np.ndarray:

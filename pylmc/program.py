@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import cache
 from importlib import resources
 from importlib.resources.abc import Traversable
@@ -139,13 +140,22 @@ def build(
             source(main),
         ]
     )
-    with warnings.catch_warnings():
-        # Some compilers report success in the log; PYOPENCL_COMPILER_OUTPUT=1 still shows the log itself.
-        warnings.filterwarnings("ignore", message="Non-empty compiler output")
+    with quiet():
         try:
             return cl.Program(context, text).build(options=list(options))
         except cl.Error as error:
             raise PylmcError(_failure(context, main, str(error))) from error
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Without pyopencl's hint at a non-empty log, as some compilers report success there.
+
+    PYOPENCL_COMPILER_OUTPUT=1 still shows the log itself.
+    """
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Non-empty compiler output")
+        yield
 
 
 def _failure(context: cl.Context, main: str, log: str) -> str:
@@ -153,5 +163,6 @@ def _failure(context: cl.Context, main: str, log: str) -> str:
     match = _ERROR.search(log)
     file, line, message = [group for group in match.groups() if group] if match else ("", "", "")
     where = f"{file}:{line}: {message}" if file else "the log names no line"
+    log = log[max(log.find("Build on"), 0) :]  # pyopencl says first, and thrice, that the build failed
     head = "\n".join(log.strip().splitlines()[:_LOG_HEAD])
     return f"{main} does not build on {devices}: {where}\n{head}"

@@ -11,17 +11,17 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-import pyopencl as cl
-
 from .compiled import compile_scene
 from .device_scene import DeviceScene
 from .errors import PylmcError
+from .evenness import GRID, even_weights
 from .scene import Scene
 from .settings import Settings, check_precision
 
 ENDINGS = ("connect", "hit")
 STEPS_PER_LAUNCH = 32
 CANDIDATES_PER_LAUNCH = 1 << 17
+PILOT_FROM = 1 << 31  # numbers of the pilot's paths, beyond those of any start's candidates
 FILM_SCALE = 2.0**24  # of film.cl
 
 
@@ -29,19 +29,25 @@ FILM_SCALE = 2.0**24  # of film.cl
 class Group:
     """The paths of one length (segments) and ending, with their own normalisation b and chains ``first : first + chains``.
 
-    ``weight_sum`` and ``weight_square_sum`` add I / p_ind over ``weighed`` independent paths, so b is their mean.
+    ``log_weights`` and ``positions`` are the start's candidates'. ``weight_sum`` and ``weight_square_sum`` add I / p_ind over ``weighed`` independent paths, so b is their mean.
     """
 
     length: int
     ending: int
     slot: int
     log_weights: np.ndarray
+    positions: np.ndarray
     weighed: int = 0
     weight_sum: float = 0.0
     weight_square_sum: float = 0.0
     first: int = 0
     chains: int = 0
     steps: int = 0
+
+    def settle(self) -> None:
+        """Set the sums from the candidates' weights."""
+        weights = np.exp(self.log_weights)
+        self.weight_sum, self.weight_square_sum = float(weights.sum()), float((weights**2).sum())
 
     @property
     def name(self) -> str:
@@ -135,32 +141,45 @@ class Sampler:
         if not kinds:
             raise PylmcError("max_depth=1 leaves only emitters seen directly, and this scene has point lights only; "
                              "use --max-depth 2 or more")  # fmt: skip
-        return [Group(length, ending, slot, np.zeros(0)) for slot, (length, ending) in enumerate(kinds)]
+        return [Group(length, ending, slot, np.zeros(0), np.zeros((0, 2))) for slot, (length, ending) in enumerate(kinds)]
 
     def weigh(self, candidates: int = 1 << 18, seed: int = 0) -> list[Group]:
-        """Draw ``candidates`` independent paths per group and keep their weights I / p_ind: the estimate of each b."""
+        """Draw ``candidates`` independent paths per group and keep their weights I / p_ind: the estimate of each b.
+
+        I is plain luminance here. Raises PylmcError if no path carries light.
+        """
+        self.device_scene.set_evenness(np.ones((GRID, GRID), np.float32))
+        groups = self._weigh(candidates, seed)
+        self._check_found(groups, candidates)
+        return groups
+
+    def _check_found(self, groups: list[Group], candidates: int) -> None:
+        if not any(group.weight_sum > 0 for group in groups):
+            tried = candidates * len(self.path_groups())
+            raise PylmcError(f"no light path was found in {tried} tries (up to {self.settings.max_depth} segments): check "
+                             "that the camera sees a surface that light can reach, or raise --max-depth")  # fmt: skip
+
+    def _weigh(self, candidates: int, seed: int, numbers_from: int = 0) -> list[Group]:
         self.seed = seed
         groups = self.path_groups()
         kernel = self.device_scene.kernel("bootstrap.cl", "weigh_candidates")
         start = time.perf_counter()
         device = self.device_scene
-        out = device.zeros(4 * CANDIDATES_PER_LAUNCH)
+        out, out_positions = device.zeros(4 * CANDIDATES_PER_LAUNCH), device.zeros(8 * CANDIDATES_PER_LAUNCH)
         for group in groups:
-            parts = []
+            parts, places = [], []
             for first in range(0, candidates, CANDIDATES_PER_LAUNCH):
                 count = min(CANDIDATES_PER_LAUNCH, candidates - first)
                 device.launch(kernel, count, np.uint32(seed), np.uint32(group.slot), np.int32(group.length),
-                              np.int32(group.ending), np.uint32(first), np.uint32(count), out)  # fmt: skip
+                              np.int32(group.ending), np.uint32(numbers_from + first), np.uint32(count), out,
+                              out_positions)  # fmt: skip
                 parts.append(device.read(out, np.float32, CANDIDATES_PER_LAUNCH)[:count])
+                places.append(device.read(out_positions, np.float32, (CANDIDATES_PER_LAUNCH, 2))[:count])
             group.log_weights = np.concatenate(parts).astype(np.float64)
-            weights = np.exp(group.log_weights)
+            group.positions = np.concatenate(places)
             group.weighed = candidates
-            group.weight_sum, group.weight_square_sum = float(weights.sum()), float((weights**2).sum())
+            group.settle()
         self.seconds["bootstrap"] += time.perf_counter() - start
-        if not any(group.weight_sum > 0 for group in groups):
-            tried = candidates * len(groups)
-            raise PylmcError(f"no light path was found in {tried} tries (up to {self.settings.max_depth} segments): check "
-                             "that the camera sees a surface that light can reach, or raise --max-depth")  # fmt: skip
         return groups
 
     def init(self, seed: int = 0, chains: int = 4096, candidates: int = 1 << 18) -> list[Group]:
@@ -169,7 +188,11 @@ class Sampler:
         Chains are shared out among the groups in proportion to b; a group in which no light was found has none. The
         same seed gives the same chains. Returns the groups.
         """
-        groups = [group for group in self.weigh(candidates, seed) if group.weight_sum > 0]
+        self.device_scene.set_evenness(np.ones((GRID, GRID), np.float32))
+        if self.settings.even:
+            self._weight_target(max(candidates // 4, 1), seed)
+        groups = [group for group in self._weigh(candidates, seed) if group.weight_sum > 0]
+        self._check_found(groups, candidates)
         total = sum(group.b for group in groups)
         rng = np.random.default_rng([seed, 1])
         starts = []
@@ -193,22 +216,32 @@ class Sampler:
         kernel = device.kernel("bootstrap.cl", "start_chains")
         device.launch(kernel, first, np.uint32(seed), np.uint32(first), device.upload(np.concatenate(starts)), self._states)
         self._kernel = device.kernel("chains.cl", "run_chains")
-        device.queue.finish()
+        with device.compiling():
+            self._launch(0)
         return groups
+
+    def _launch(self, steps: int) -> None:
+        settings = self.settings
+        self.device_scene.launch(
+            self._kernel, self.chains, np.uint32(self.seed), np.uint64(self.steps_done), np.int32(steps),
+            np.uint32(self.chains), np.float32(settings.large_steps), np.float32(np.log(settings.step[0])),
+            np.float32(np.log(settings.step[1])), self._states, self._counters, self._film,
+            np.int32(self.film_pixels))  # fmt: skip
+
+    def _weight_target(self, pilot: int, seed: int) -> None:
+        """Weight the target over the film by a rough picture. Its paths are none of the start's: weights fitted to the
+        candidates that they then weigh would come out too low, and b with them."""
+        groups = self._weigh(pilot, seed, PILOT_FROM)
+        positions = np.concatenate([group.positions for group in groups])
+        weights = np.concatenate([np.exp(group.log_weights) for group in groups])
+        self.device_scene.set_evenness(even_weights(positions, weights))
 
     def step(self, n: int = STEPS_PER_LAUNCH) -> None:
         """Advance every chain by ``n`` steps and wait."""
-        settings = self.settings
         start = time.perf_counter()
-        done = 0
-        while done < n:
+        for done in range(0, n, STEPS_PER_LAUNCH):
             steps = min(STEPS_PER_LAUNCH, n - done)
-            self.device_scene.launch(
-                self._kernel, self.chains, np.uint32(self.seed), np.uint64(self.steps_done), np.int32(steps),
-                np.uint32(self.chains), np.float32(settings.large_steps), np.float32(np.log(settings.step[0])),
-                np.float32(np.log(settings.step[1])), self._states, self._counters, self._film,
-                np.int32(self.film_pixels))  # fmt: skip
-            done += steps
+            self._launch(steps)
             self.steps_done += steps
         self.device_scene.queue.finish()
         for group in self.groups:
@@ -219,7 +252,7 @@ class Sampler:
         """Read and clear the chains' counters; large steps refine each group's b."""
         device = self.device_scene
         counts = device.read(self._counters, device.dtypes["ChainCounters"], self.chains)
-        cl.enqueue_fill_buffer(device.queue, self._counters, np.uint32(0), 0, counts.nbytes)
+        device.clear(self._counters)
         for group in self.groups:
             part = counts[group.first : group.first + group.chains]
             group.weighed += int(part["proposed"][:, 0].sum(dtype=np.int64))

@@ -25,7 +25,8 @@ class Settings:
     rule: the combination rule (21). drift: whether steps follow the gradient. projection: of v_1, eq. (3)
     (``normalise``) or the preprint's alternative (``orthographic``); used with deviation coordinates only.
     max_depth: segments of the longest path. large_steps: probability of an independent step.
-    step: (least, greatest) step length h, drawn log-uniformly each step.
+    step: (least, greatest) step length h, drawn log-uniformly each step. even: whether the target is weighted so that dark
+    and bright parts of the film get alike many samples (see :mod:`pylmc.evenness`), or is plain luminance.
     """
 
     max_depth: int = 8
@@ -35,7 +36,8 @@ class Settings:
     drift: bool = False
     projection: str = "normalise"
     large_steps: float = 0.1
-    step: tuple[float, float] = (0.1, 1.0)
+    step: tuple[float, float] = (0.02, 0.4)
+    even: bool = True
 
     def __post_init__(self) -> None:
         choices = (("chart", CHARTS), ("coordinates", COORDINATES), ("rule", RULES), ("projection", PROJECTIONS))
@@ -46,7 +48,7 @@ class Settings:
             raise PylmcError(f"large_steps={self.large_steps!r} is a probability; give a number from 0 to 1")
         low, high = self.step
         if not 0 < low <= high < 100:
-            raise PylmcError(f"step={self.step!r}: give (least, greatest) with 0 < least <= greatest; try (0.1, 1.0)")
+            raise PylmcError(f"step={self.step!r}: give (least, greatest) with 0 < least <= greatest; try (0.02, 0.4)")
 
     def defines(self) -> dict[str, Any]:
         """The kernel constants that these choices compile to."""

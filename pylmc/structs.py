@@ -10,6 +10,7 @@ import pyopencl as cl
 from pyopencl.tools import get_or_register_dtype, match_dtype_to_c_struct
 
 from .errors import PylmcError
+from .program import quiet
 
 
 def declare(device: cl.Device, name: str, dtype: Any) -> tuple[np.dtype, str]:
@@ -21,7 +22,8 @@ def declare(device: cl.Device, name: str, dtype: Any) -> tuple[np.dtype, str]:
     has no C counterpart or the device's compiler rejects the struct.
     """
     try:
-        matched, declaration = match_dtype_to_c_struct(device, name, np.dtype(dtype))
+        with quiet():
+            matched, declaration = match_dtype_to_c_struct(device, name, np.dtype(dtype))
     except (ValueError, TypeError, NotImplementedError, RuntimeError, cl.Error) as error:
         raise PylmcError(f"struct '{name}' has no C layout on {device.name.strip()}: {error}") from error
     # Where the name already stands for other fields its first owner keeps it: pyopencl needs the registration only to

@@ -25,7 +25,8 @@ def build(hole: float = 0.05, roughness: float = 0.02, width: int = 256, height:
         Shape(wall_with_hole((0, 0, 0), (0, 1, 0), (0, 0, 1), hole), white, name="wall with the hole"),
         Shape(rectangle((0.85, 0.06, 0.2), (0, 0, 0.6), (0.5, 0, 0)), RoughConductor(roughness, 0.9), name="plate"),
         Shape(box((1.1, 0.03, 0.5), (0.4, 0.05, 0.5)), Diffuse(0.3), name="plinth"),
-        Shape(box((1.25, 0.16, 0.88), (0.14, 0.32, 0.14), 25), Diffuse(0.6), name="pillar"),
+        Shape(box((0.4, 0.2, 0.78), (0.2, 0.4, 0.2), 25), Diffuse(0.6), name="pillar"),
     ]
-    camera = Camera((0.06, 0.62, 0.3), (1.4, 0.33, 0.58), fov=52, width=width, height=height)
+    # beside the spot that the plate throws on the far wall, which lights what the camera sees
+    camera = Camera((1.44, 0.6, 0.1), (0.3, 0.3, 0.68), fov=58, width=width, height=height)
     return Scene(camera, shapes, [PointLight((-0.8, 0.82, 0.42), 2.0)])

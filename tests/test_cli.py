@@ -33,6 +33,9 @@ BAD = {
     "no effort": (["render", "box", "--mutations-per-pixel", "0"], "positive"),
     "time and effort": (["render", "box", "--seconds", "1", "--mutations-per-pixel", "1"], "not allowed with"),
     "depth of zero": (["render", "box", "--max-depth", "0"], "segments"),
+    "seed too large": (["render", "box", "--seed", str(2**32)], "4294967295"),
+    "no scene's name": (["render", ""], "no scene"),
+    "film's size as a parameter": (["render", "box:width=64"], "width"),
     "negative seed": (["render", "box", "--seed", "-1"], "seed"),
     "unknown device": (["render", "box", "--device", "abacus"], "abacus"),
     "device out of range": (["render", "box", "--device", "99"], "99"),
@@ -180,6 +183,17 @@ def test_interrupted_render_is_written(
     assert "so far" in capsys.readouterr().err
 
 
+def test_interrupted_before_the_first_sample(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A black picture must not take the place of what may be a good one."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "box.exr").write_text("good")
+    code, _, _ = run_render(monkeypatch, ["box"], interrupted=True, mutations=0)
+    assert code == 130 and "nothing was written" in capsys.readouterr().err
+    assert (tmp_path / "box.exr").read_text() == "good"
+
+
 def test_interrupt_elsewhere(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     def load(*_: Any, **__: Any) -> None:
         raise KeyboardInterrupt
@@ -214,14 +228,20 @@ def test_devices_lists_the_default(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_the_program_itself(tmp_path: Path) -> None:
-    def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+    def run(*arguments: str, **more: str) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, "-m", "pylmc", *arguments]
-        return subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, timeout=120, check=False)
+        environ = {**os.environ, "PYTHONPATH": str(Path(pylmc.__file__).parents[1]), **more}
+        return subprocess.run(
+            command, capture_output=True, text=True, cwd=tmp_path, env=environ, timeout=120, check=False
+        )
 
     helped = run("--help")
     assert helped.returncode == 0 and "examples:" in helped.stdout
     for command in ("render", "info", "compare", "devices", "scenes"):
         assert command in helped.stdout
     assert "seconds" in run("render", "--help").stdout
+    assert run("--version").stdout.startswith("pylmc ")
+    odd = run("render", "näh.glb", PYTHONIOENCODING="ascii")
+    assert odd.returncode == 2 and r"n\xe4h.glb" in odd.stderr, "a terminal of few characters is no reason to fail"
     failed = run("render", "nowhere.glb")
     assert failed.returncode == 2 and failed.stderr.count("\n") == 1 and "Traceback" not in failed.stderr

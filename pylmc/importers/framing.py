@@ -13,7 +13,7 @@ from ..scene import Camera, Shape
 AZIMUTH, ELEVATION = math.radians(35.0), math.radians(22.0)  # three-quarter view, from +z towards +x
 FOV = 35.0  # degrees, vertical
 MARGIN = 1.08
-KEY_SHARE = 0.8  # of the irradiance at the scene's middle; the fill light gives the rest
+KEY_SHARE = 0.65  # of the irradiance at the scene's middle; the fill light gives the rest
 
 
 def frame(shapes: Sequence[Shape], width: int, height: int) -> Camera:

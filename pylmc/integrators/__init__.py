@@ -1,6 +1,6 @@
 """What can fill a film: the Markov chains (lmc), their independent sampler alone (bdpt), a path tracer (path).
 
-An integrator is advanced launch by launch by :mod:`pylmc.render`, which keeps the time, the progress bar and the batches.
+An integrator is advanced launch by launch by :mod:`pylmc.rendering`, which keeps the time, the progress bar and the batches.
 """
 
 from __future__ import annotations

@@ -51,17 +51,23 @@ class Bidirectional:
         self._counters = device.zeros(first * device.dtypes["ChainCounters"].itemsize)
         self._film = device.zeros(len(self.groups) * self.sampler.film_pixels * 24)
         self._kernel = device.kernel("bdpt.cl", "render_independent")
+        with device.compiling():
+            self._launch(0)
         self.batches = BatchMeans()
         self._last, self._last_launches = np.zeros(1), 0
+
+    def _launch(self, steps: int) -> None:
+        self.sampler.device_scene.launch(
+            self._kernel, self.streams, np.uint32(self.sampler.seed), np.uint64(self.launches * STEPS_PER_LAUNCH),
+            np.int32(steps), np.uint32(self.streams), self._table, self._counters, self._film,
+            np.int32(self.sampler.film_pixels))  # fmt: skip
 
     def advance(self) -> None:
         device = self.sampler.device_scene
         start = time.perf_counter()
-        device.launch(self._kernel, self.streams, np.uint32(self.sampler.seed), np.uint64(self.launches * STEPS_PER_LAUNCH),
-                      np.int32(STEPS_PER_LAUNCH), np.uint32(self.streams), self._table, self._counters, self._film,
-                      np.int32(self.sampler.film_pixels))  # fmt: skip
+        self._launch(STEPS_PER_LAUNCH)
         counts = device.read(self._counters, device.dtypes["ChainCounters"], self.streams)
-        cl.enqueue_fill_buffer(device.queue, self._counters, np.uint32(0), 0, counts.nbytes)
+        device.clear(self._counters)
         self.rays += int(counts["rays"].sum(dtype=np.int64))
         self.not_finite += int(counts["not_finite"].sum(dtype=np.int64))
         self.launches += 1
@@ -98,5 +104,7 @@ class Bidirectional:
         return {
             "groups": {group.name: {"streams": group.chains, "b": group.b * scale, "b_error": group.b_error * scale}
                        for group in self.groups},
-            "rays": self.rays, "not_finite_rejected": self.not_finite,
+            "b": scale * sum(group.b for group in self.groups),
+            "b_error": scale * float(np.sqrt(sum(group.b_error**2 for group in self.groups))), "rays": self.rays,
+             "not_finite_rejected": self.not_finite,
         }  # fmt: skip

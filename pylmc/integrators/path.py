@@ -6,7 +6,6 @@ import time
 from typing import Any
 
 import numpy as np
-import pyopencl as cl
 
 from ..sampler import Sampler
 from ..statistics import LUMINANCE, BatchMeans
@@ -34,9 +33,17 @@ class PathTracer:
         self._counters = device.zeros(min(self.sampler.film_pixels, PIXELS_PER_LAUNCH) * device.dtypes["ChainCounters"].itemsize)
         # a plain path tracer does not aim at holes
         self._kernel = device.kernel("path_tracer.cl", "render_paths", NUM_TARGETS=0)
+        with device.compiling():
+            self._launch(0, 1, 0)
         self.batches = BatchMeans()
         self._sum = np.zeros((self.sampler.scene.camera.height, self.sampler.scene.camera.width, 3))
         self._last, self._last_passes, self._pending = np.zeros(1), 0, 0
+
+    def _launch(self, first: int, count: int, passes: int) -> None:
+        self.sampler.device_scene.launch(
+            self._kernel, count, np.uint32(self.seed), np.uint64(self.passes), np.int32(passes),
+            np.int32(self.sampler.settings.max_depth), np.int32(first), np.int32(count), self._counters,
+            self._film)  # fmt: skip
 
     def advance(self) -> None:
         device = self.sampler.device_scene
@@ -44,9 +51,7 @@ class PathTracer:
         pixels = self.sampler.film_pixels
         for first in range(0, pixels, PIXELS_PER_LAUNCH):
             count = min(PIXELS_PER_LAUNCH, pixels - first)
-            device.launch(self._kernel, count, np.uint32(self.seed), np.uint64(self.passes), np.int32(1),
-                          np.int32(self.sampler.settings.max_depth), np.int32(first), np.int32(count), self._counters,
-                          self._film)  # fmt: skip
+            self._launch(first, count, 1)
         device.queue.finish()
         self.passes += 1
         self.done += pixels
@@ -59,10 +64,10 @@ class PathTracer:
         """Move the device's float32 sums to the host's float64 ones before they lose digits."""
         device = self.sampler.device_scene
         self._sum += device.read(self._film, np.float32, self._sum.shape)
-        cl.enqueue_fill_buffer(device.queue, self._film, np.uint32(0), 0, self._film.size // 4 * 4)
+        device.clear(self._film)
         counters = device.dtypes["ChainCounters"]
         counts = device.read(self._counters, counters, self._counters.size // counters.itemsize)
-        cl.enqueue_fill_buffer(device.queue, self._counters, np.uint32(0), 0, counts.nbytes)
+        device.clear(self._counters)
         self.rays += int(counts["rays"].sum(dtype=np.int64))
         self._pending = 0
 

@@ -46,10 +46,13 @@ def info(scene: Scene, **settings: Any) -> str:
         sizes = ", ".join("x".join(f"{2 * h:.3g}" for h in a.half_size) for a in plan.apertures[:6])
         lines.append(f"  holes       {len(plan.apertures)} aperture(s) of at most {MAX_APERTURES}, sizes {sizes}")
     if plan.small_objects:
-        halves = [item.half_extents for item, w in zip(compiled.objects, plan.object_weights, strict=True) if np.any(w > 0)]
+        halves = [item.half_extents for item, w in zip(compiled.objects, plan.object_weights, strict=True)
+                  if np.any(w > 0) and not scene.shapes[item.shape].emission]  # fmt: skip
         sizes = ", ".join("x".join(f"{2 * h:.2g}" for h in half) for half in halves[:6])
         more = ", ..." if len(halves) > 6 else ""
         lines.append(f"  objects     {plan.small_objects} small object(s), sizes {sizes}{more}")
+    if plan.emitters:
+        lines.append(f"  emitters    {plan.emitters} emitting object(s), for paths that end on one")
     if plan.curved_shapes:
         lines.append(f"  normals     {plan.curved_shapes} shape(s) with smooth normals")
     aimed = len(plan.apertures) + len(plan.aimed_objects)

@@ -1,0 +1,92 @@
+"""Equal time, equal scene: how much lower is the error of the chains than that of the baselines?
+
+    python -m bench.equal_time                 the keyhole at hole 0.01, roughness 0.005, and at a tenth of both
+    python -m bench.equal_time --seconds 10    quicker and rougher
+
+Each method renders for the same run time with each of the seeds; the error is relMSE per pixel against a long reference
+(lmc with target charts, other seeds), whole and with the worst 0.1 % of pixels left out. Medians over the seeds; the
+last columns are ratios to the first method. Writes out/equal_time.json and .md, and the pictures beside them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+import pylmc
+from pylmc.compare import metrics
+
+METHODS: dict[str, dict[str, Any]] = {
+    "lmc, target charts": {},
+    "lmc, deviation charts": {"coordinates": "deviation"},
+    "bdpt": {"integrator": "bdpt"},
+    "path": {"integrator": "path"},
+}
+CASES = ({"hole": 0.01, "roughness": 0.005}, {"hole": 0.001, "roughness": 0.0005})
+
+
+def run_case(case: dict[str, float], args: argparse.Namespace, folder: Path) -> list[dict[str, Any]]:
+    """One row a method: medians of the errors, speed, and the ratios to the first row."""
+    label = "keyhole_" + "_".join(f"{k}{v:g}" for k, v in case.items())
+    scene = pylmc.load("keyhole", **case).with_size(args.size, args.size)
+    common = {"max_depth": args.max_depth, "device": args.device}
+    parts = [pylmc.render(scene, seconds=args.reference / args.seeds, seed=1000 + s, **common).image for s in range(args.seeds)]
+    reference = np.mean(parts, axis=0)
+    rows = []
+    for method, options in METHODS.items():
+        errors, trimmed, rates = [], [], []
+        for seed in range(args.seeds):
+            result = pylmc.render(scene, seconds=args.seconds, seed=seed, progress=False, **common, **options)
+            found = metrics(result.image, reference)
+            errors.append(found["relMSE"])
+            trimmed.append(found["relMSE_trimmed"])
+            rates.append(next(v for k, v in result.diagnostics.items() if k.endswith("s_per_second") and k != "rays_per_second"))
+        result.save(folder / f"{label}_{method.replace(', ', '_').replace(' ', '_')}.exr")
+        rows.append({"case": case, "method": method, "relMSE": median(errors), "relMSE_trimmed": median(trimmed),
+                     "all": errors, "per_second": median(rates)})  # fmt: skip
+        first = rows[0]
+        rows[-1]["ratio"] = rows[-1]["relMSE"] / first["relMSE"]
+        rows[-1]["ratio_trimmed"] = rows[-1]["relMSE_trimmed"] / first["relMSE_trimmed"]
+        print(line(rows[-1]), flush=True)
+    # how far the reference itself is from the truth, from its parts
+    spread = np.mean([metrics(part, reference)["relMSE"] for part in parts]) / max(args.seeds - 1, 1)
+    print(f"the reference's own relMSE is about {spread:.2g}\n", flush=True)
+    rows[0]["reference_relMSE"] = float(spread)
+    return rows
+
+
+HEADER = ("| hole | roughness | method | relMSE | trimmed | ratio | ratio, trimmed | mutations or samples/s |\n"
+          "|---|---|---|---|---|---|---|---|")  # fmt: skip
+
+
+def line(row: dict[str, Any]) -> str:
+    """A row of the table in Markdown."""
+    case = row["case"]
+    return (f"| {case['hole']:g} | {case['roughness']:g} | {row['method']} | {row['relMSE']:.3g} | {row['relMSE_trimmed']:.3g} "
+            f"| {row['ratio']:.1f} | {row['ratio_trimmed']:.1f} | {row['per_second']:.3g} |")  # fmt: skip
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seconds", type=float, default=30, help="run time of each render (default 30)")
+    parser.add_argument("--reference", type=float, default=300, help="run time of the reference, over all its parts (default 300)")
+    parser.add_argument("--seeds", type=int, default=3, help="renders per method (default 3)")
+    parser.add_argument("--size", type=int, default=256, help="pixels per side (default 256)")
+    parser.add_argument("--max-depth", type=int, default=6, help="segments of the longest path (default 6)")
+    parser.add_argument("--device", default=None, help="as for pylmc render")
+    parser.add_argument("--out", type=Path, default=Path("out/equal_time"), help="folder for the results")
+    args = parser.parse_args()
+    args.out.mkdir(parents=True, exist_ok=True)
+    print(HEADER, flush=True)
+    rows = [row for case in CASES for row in run_case(case, args, args.out)]
+    (args.out / "equal_time.json").write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
+    (args.out / "equal_time.md").write_text("\n".join([HEADER, *map(line, rows)]) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
