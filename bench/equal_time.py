@@ -35,24 +35,26 @@ def run_case(case: dict[str, float], args: argparse.Namespace, folder: Path) -> 
     label = "keyhole_" + "_".join(f"{k}{v:g}" for k, v in case.items())
     scene = pylmc.load("keyhole", **case).with_size(args.size, args.size)
     common = {"max_depth": args.max_depth, "device": args.device}
-    parts = [pylmc.render(scene, seconds=args.reference / args.seeds, seed=1000 + s, **common).image for s in range(args.seeds)]
+    share = args.reference / args.seeds
+    parts = [pylmc.render(scene, seconds=share, seed=1000 + s, progress=False, **common).image for s in range(args.seeds)]
     reference = np.mean(parts, axis=0)
-    rows = []
-    for method, options in METHODS.items():
-        errors, trimmed, rates = [], [], []
-        for seed in range(args.seeds):
+    found: dict[str, list[tuple[float, float, float]]] = {method: [] for method in METHODS}
+    for seed in range(args.seeds):  # the methods take turns, so that a busy machine is busy for all of them
+        for method, options in METHODS.items():
             result = pylmc.render(scene, seconds=args.seconds, seed=seed, progress=False, **common, **options)
-            found = metrics(result.image, reference)
-            errors.append(found["relMSE"])
-            trimmed.append(found["relMSE_trimmed"])
-            rates.append(next(v for k, v in result.diagnostics.items() if k.endswith("s_per_second") and k != "rays_per_second"))
-        result.save(folder / f"{label}_{method.replace(', ', '_').replace(' ', '_')}.exr")
-        rows.append({"case": case, "method": method, "relMSE": median(errors), "relMSE_trimmed": median(trimmed),
-                     "all": errors, "per_second": median(rates)})  # fmt: skip
-        first = rows[0]
-        rows[-1]["ratio"] = rows[-1]["relMSE"] / first["relMSE"]
-        rows[-1]["ratio_trimmed"] = rows[-1]["relMSE_trimmed"] / first["relMSE_trimmed"]
-        print(line(rows[-1]), flush=True)
+            error = metrics(result.image, reference)
+            rate = result.diagnostics.get("mutations_per_second", result.diagnostics.get("samples_per_second", 0.0))
+            found[method].append((error["relMSE"], error["relMSE_trimmed"], rate))
+            result.save(folder / f"{label}_{method.replace(', ', '_').replace(' ', '_')}.exr")
+    rows: list[dict[str, Any]] = []
+    for method, values in found.items():
+        errors, trimmed, rates = zip(*values, strict=True)
+        row = {"case": case, "method": method, "relMSE": median(errors), "relMSE_trimmed": median(trimmed),
+               "all": errors, "per_second": median(rates)}  # fmt: skip
+        rows.append(row)
+        row["ratio"] = row["relMSE"] / rows[0]["relMSE"]
+        row["ratio_trimmed"] = row["relMSE_trimmed"] / rows[0]["relMSE_trimmed"]
+        print(line(row), flush=True)
     # how far the reference itself is from the truth, from its parts
     spread = np.mean([metrics(part, reference)["relMSE"] for part in parts]) / max(args.seeds - 1, 1)
     print(f"the reference's own relMSE is about {spread:.2g}\n", flush=True)
@@ -74,7 +76,7 @@ def line(row: dict[str, Any]) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seconds", type=float, default=30, help="run time of each render (default 30)")
-    parser.add_argument("--reference", type=float, default=300, help="run time of the reference, over all its parts (default 300)")
+    parser.add_argument("--reference", type=float, default=300, help="run time of the whole reference (default 300)")
     parser.add_argument("--seeds", type=int, default=3, help="renders per method (default 3)")
     parser.add_argument("--size", type=int, default=256, help="pixels per side (default 256)")
     parser.add_argument("--max-depth", type=int, default=6, help="segments of the longest path (default 6)")

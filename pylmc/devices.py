@@ -112,20 +112,22 @@ def refresh() -> None:
     _survey.cache_clear()
 
 
-def select(spec: str | None = None) -> pyopencl.Device:
+def select(spec: str | int | None = None) -> pyopencl.Device:
     """The device that ``spec`` asks for, ready for use in this process.
 
     ``spec`` is ``cpu``, ``gpu``, an index into ``usable()``, or part of a device's or platform's name (any case).
     ``None`` takes PYOPENCL_CTX if that is set, else the first of ``usable()``. Raises PylmcError if there is no such
     device, naming what there is.
     """
+    if spec is not None and not isinstance(spec, str | int):
+        raise PylmcError(f"device={spec!r}: give 'cpu', 'gpu', an index, part of a name, or a pyopencl.Device")
     devices = usable()
     if not devices:
         reasons = "".join(f" ({item.label}: {item.reason})" for item in rejected()[:1])
         raise PylmcError(f"no OpenCL device works here{reasons}; {REMEDY}; `pylmc devices` shows what was tried")
     if spec is None and os.environ.get("PYOPENCL_CTX"):
         return _from_pyopencl_ctx(devices)
-    return _open(devices[0] if spec is None else _match(spec, devices))
+    return _open(devices[0] if spec is None else _match(str(spec), devices))
 
 
 def context_and_queue(device: pyopencl.Device) -> tuple[pyopencl.Context, pyopencl.CommandQueue]:

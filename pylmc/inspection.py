@@ -61,7 +61,8 @@ def info(scene: Scene, **settings: Any) -> str:
     lines.append("left out")
     lines += [f"  {reason}" for reason in _left_out(scene, plan, features, chosen)]
     lines.append("compiled in   " + ", ".join(sorted(k for k, v in features.items() if k.startswith("HAS_") and v)))
-    lines.append("compiled out  " + (", ".join(sorted(k for k, v in features.items() if k.startswith("HAS_") and not v)) or "nothing"))
+    out = sorted(k for k, v in features.items() if k.startswith("HAS_") and not v)
+    lines.append("compiled out  " + (", ".join(out) or "nothing"))
     return "\n".join(lines)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from .errors import PylmcError
 
 RGB = tuple[float, float, float]
+BRIGHTEST = 1e36  # light in the scene's units; pictures are float32
 
 
 def as_rgb(value: Any, what: str, upper: float | None = None) -> RGB:
@@ -22,8 +23,8 @@ def as_rgb(value: Any, what: str, upper: float | None = None) -> RGB:
         rgb = np.broadcast_to(np.asarray(value, dtype=np.float64), 3)
     except (TypeError, ValueError):
         raise PylmcError(f"{what}: {value!r} is not a colour; give one number or three (linear RGB)") from None
-    if not np.all(np.isfinite(rgb)) or np.any(rgb < 0):
-        raise PylmcError(f"{what}: {value!r} must be finite and not negative")
+    if not np.all((rgb >= 0) & (rgb <= BRIGHTEST)):
+        raise PylmcError(f"{what}: {value!r} must lie between 0 and {BRIGHTEST:g}")
     if upper is not None and np.any(rgb > upper):
         raise PylmcError(f"{what}: {value!r} exceeds {upper:g}; a surface cannot reflect more light than it receives")
     return (float(rgb[0]), float(rgb[1]), float(rgb[2]))
@@ -54,11 +55,14 @@ class Texture:
     pixels: np.ndarray
 
     def __post_init__(self) -> None:
-        pixels = np.ascontiguousarray(self.pixels, dtype=np.float32)
+        try:
+            pixels = np.ascontiguousarray(self.pixels, dtype=np.float32)
+        except (TypeError, ValueError):
+            raise PylmcError("Texture: pixels must be an array of numbers (height, width, 3), not a file name") from None
         if pixels.ndim != 3 or pixels.shape[2] != 3 or min(pixels.shape[:2]) < 1:
             raise PylmcError(f"Texture: pixels have shape {pixels.shape}; expected (height, width, 3)")
-        if not np.all(np.isfinite(pixels)):
-            raise PylmcError("Texture: pixels hold NaN or infinite values")
+        if not np.all((pixels >= 0) & (pixels <= 1)):
+            raise PylmcError("Texture: pixels must lie in [0, 1] (linear RGB); a surface cannot reflect more than it receives")
         object.__setattr__(self, "pixels", pixels)
 
     def mean(self) -> RGB:

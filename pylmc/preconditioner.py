@@ -28,12 +28,12 @@ AIM_RADIUS, MAX_AIMED_OBJECTS = 0.05, 8
 
 @dataclass(frozen=True)
 class ConstraintPlan:
-    """The constraints that a scene has. Sizes are relative to ``scene_radius``.
+    """The constraints that a scene has. Sizes are relative to the scene's radius.
 
-    ``object_weights`` (objects, 3) are inverse half-extents along each object's axes, in inverse scene units, 0 where
-    the constraint is infinite: those of the ``small_objects``, and of the ``emitters`` among the objects, on which paths
-    that hit must land and which count as small at any size. ``aimed_objects`` indexes the objects that the independent sampler aims at.
-    ``left_out`` says in words what was dropped and why.
+    ``object_weights`` (objects, 3) are inverse half-extents along each object's axes, in inverse scene units, 0 where the
+    constraint is infinite: those of the ``small_objects``, and of the ``emitters`` among the objects, on which paths that
+    hit must land and which count as small at any size. ``aimed_objects`` indexes the objects that the independent sampler
+    aims at. ``left_out`` says in words what was dropped and why.
     """
 
     narrow_materials: tuple[str, ...]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import platform
 import signal
 import threading
@@ -18,6 +17,7 @@ import numpy as np
 import pyopencl
 from tqdm import tqdm
 
+from .checks import check_choice, check_integer, check_number
 from .errors import PylmcError
 from .integrators import Integrator
 from .integrators.bdpt import Bidirectional
@@ -25,7 +25,7 @@ from .integrators.lmc import LangevinMonteCarlo
 from .integrators.path import PathTracer
 from .sampler import Sampler
 from .scene import Scene
-from .settings import INTEGRATORS, check_choice, check_precision
+from .settings import INTEGRATORS, check_precision
 from .statistics import relative_error
 
 BATCHES = 16  # the error estimate compares this many parts of the run
@@ -114,7 +114,8 @@ def render(
     """
     check_choice("integrator", integrator, INTEGRATORS)
     check_precision(precision)
-    _check_budget(seconds, mutations_per_pixel, seed)
+    _check_budget(seconds, mutations_per_pixel)
+    seed = check_integer("seed", seed, 0, 2**32 - 1)
     if seconds is None and mutations_per_pixel is None:
         seconds = DEFAULT_SECONDS
     sampler = Sampler(scene, device=device, max_depth=max_depth, chart=chart, coordinates=coordinates, rule=rule,
@@ -147,14 +148,12 @@ def render(
     return Render(single, diagnostics, variance)
 
 
-def _check_budget(seconds: float | None, mutations_per_pixel: float | None, seed: int) -> None:
+def _check_budget(seconds: float | None, mutations_per_pixel: float | None) -> None:
     if seconds is not None and mutations_per_pixel is not None:
         raise PylmcError("give seconds or mutations_per_pixel, not both")
     for name, value in (("seconds", seconds), ("mutations_per_pixel", mutations_per_pixel)):
-        if value is not None and not (math.isfinite(value) and value > 0):
-            raise PylmcError(f"{name}={value!r} must be a positive number")
-    if int(seed) != seed or not 0 <= seed < 2**32:
-        raise PylmcError(f"seed={seed!r}: give a whole number from 0 to {2**32 - 1}")
+        if value is not None:
+            check_number(name, value, 1e-9, 1e9)
 
 
 def _run(worker: Integrator, seconds: float | None, work: float | None, progress: bool, asked: threading.Event) -> None:

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+
+from .checks import check_integer
 from .compiled import compile_scene
 from .device_scene import DeviceScene
 from .errors import PylmcError
@@ -27,9 +29,10 @@ FILM_SCALE = 2.0**24  # of film.cl
 
 @dataclass
 class Group:
-    """The paths of one length (segments) and ending, with their own normalisation b and chains ``first : first + chains``.
+    """The paths of one length (segments) and ending, with their own normalisation b; chains ``first : first + chains``.
 
-    ``log_weights`` and ``positions`` are the start's candidates'. ``weight_sum`` and ``weight_square_sum`` add I / p_ind over ``weighed`` independent paths, so b is their mean.
+    ``log_weights`` (n,) and ``positions`` on the film (n, 2) are those of the start's candidates. ``weight_sum`` and
+    ``weight_square_sum`` add I / p_ind over ``weighed`` independent paths, so b is their mean.
     """
 
     length: int
@@ -115,6 +118,8 @@ class Sampler:
         unknown = sorted(set(settings) - set(Settings.names()))
         if unknown:
             raise PylmcError(f"unknown setting '{unknown[0]}'; choose from {', '.join(Settings.names())}")
+        if not isinstance(scene, Scene):
+            raise PylmcError(f"{scene!r} is not a Scene; pylmc.load(name) makes one from a name or a file")
         self.scene = scene
         self.settings = Settings(**settings)
         start = time.perf_counter()
@@ -188,9 +193,11 @@ class Sampler:
         Chains are shared out among the groups in proportion to b; a group in which no light was found has none. The
         same seed gives the same chains. Returns the groups.
         """
+        seed = check_integer("seed", seed, 0, 2**32 - 1)
+        chains, candidates = check_integer("chains", chains, 1, 1 << 24), check_integer("candidates", candidates, 1, 1 << 30)
         self.device_scene.set_evenness(np.ones((GRID, GRID), np.float32))
         if self.settings.even:
-            self._weight_target(max(candidates // 4, 1), seed)
+            self._weight_target(max(candidates // 4, 1))
         groups = [group for group in self._weigh(candidates, seed) if group.weight_sum > 0]
         self._check_found(groups, candidates)
         total = sum(group.b for group in groups)
@@ -198,7 +205,7 @@ class Sampler:
         starts = []
         first = 0
         for slot, group in enumerate(groups):
-            group.first, group.chains = first, max(int(round(chains * group.b / total)), 8)
+            group.first, group.chains = first, max(round(chains * group.b / total), 8)
             weights = np.exp(group.log_weights - group.log_weights.max())
             points = (np.arange(group.chains) + rng.random()) / group.chains * weights.sum()
             chosen = np.minimum(np.searchsorted(np.cumsum(weights), points, side="right"), len(weights) - 1)
@@ -228,16 +235,21 @@ class Sampler:
             np.float32(np.log(settings.step[1])), self._states, self._counters, self._film,
             np.int32(self.film_pixels))  # fmt: skip
 
-    def _weight_target(self, pilot: int, seed: int) -> None:
-        """Weight the target over the film by a rough picture. Its paths are none of the start's: weights fitted to the
-        candidates that they then weigh would come out too low, and b with them."""
-        groups = self._weigh(pilot, seed, PILOT_FROM)
+    def _weight_target(self, pilot: int) -> None:
+        """Weight the target over the film by a rough picture, the same one whatever the seed.
+
+        Its paths are none of the start's: weights fitted to the candidates that they then weigh would come out too low,
+        and b with them.
+        """
+        groups = self._weigh(pilot, 0, PILOT_FROM)
         positions = np.concatenate([group.positions for group in groups])
         weights = np.concatenate([np.exp(group.log_weights) for group in groups])
         self.device_scene.set_evenness(even_weights(positions, weights))
 
     def step(self, n: int = STEPS_PER_LAUNCH) -> None:
         """Advance every chain by ``n`` steps and wait."""
+        n = check_integer("n", n, 0, 1 << 40)
+        self._check_started()
         start = time.perf_counter()
         for done in range(0, n, STEPS_PER_LAUNCH):
             steps = min(STEPS_PER_LAUNCH, n - done)
@@ -248,8 +260,13 @@ class Sampler:
             group.steps += n
         self.seconds["run"] += time.perf_counter() - start
 
+    def _check_started(self) -> None:
+        if not self.groups:
+            raise PylmcError("the chains have not been started: call Sampler.init(seed) first")
+
     def counters(self) -> Counters:
         """Read and clear the chains' counters; large steps refine each group's b."""
+        self._check_started()
         device = self.device_scene
         counts = device.read(self._counters, device.dtypes["ChainCounters"], self.chains)
         device.clear(self._counters)
@@ -263,6 +280,7 @@ class Sampler:
 
     def films(self) -> np.ndarray:
         """Each group's accumulated splats (groups, height, width, 3), float64, not yet normalised."""
+        self._check_started()
         camera = self.scene.camera
         shape = (len(self.groups), camera.height, camera.width, 3)
         words = self.device_scene.read(self._film, np.dtype("<u8"), shape)
@@ -278,6 +296,7 @@ class Sampler:
 
     def states(self, block: int = 0) -> States:
         """Every chain's path; ``block`` limits charts and factors to that many leading directions (0: all free ones)."""
+        self._check_started()
         device, k = self.device_scene, self.settings.max_depth
         chains = self.chains
         shapes = {"nodes": (k, 3), "directions": (k, 3), "deviations": (k, 2), "kinds": (k,), "lobes": (k,),
@@ -299,6 +318,7 @@ class Sampler:
 
     def displaced(self, deltas: np.ndarray, block: int = 0) -> tuple[np.ndarray, np.ndarray]:
         """Where displacements (chains, 2 K) in the chains' charts lead: nodes (scaled units) and directions; NaN: nowhere."""
+        self._check_started()
         device, k = self.device_scene, self.settings.max_depth
         out = np.full((self.chains, k, 3), np.nan, np.float32)
         nodes, directions = device.upload(out), device.upload(out)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from numbers import Real
 from typing import Any
 
 import numpy as np
 import trimesh
 
+from .checks import check_integer
 from .errors import PylmcError
 from .materials import RGB, Diffuse, Material, MetallicRoughness, RoughConductor, RoughDielectric, Texture, as_rgb
 
@@ -18,6 +20,7 @@ __all__ = [
 ]  # fmt: skip
 
 MAX_SIDE = 16384  # pixels along one side of the film
+MAX_COORDINATE = 1e15  # beyond it nothing is left of a scene after its centre is subtracted
 
 
 def as_point(value: Any, what: str) -> np.ndarray:
@@ -26,9 +29,20 @@ def as_point(value: Any, what: str) -> np.ndarray:
         point = np.asarray(value, dtype=np.float64).reshape(-1)
     except (TypeError, ValueError):
         raise PylmcError(f"{what}: {value!r} is not a point; give three numbers") from None
-    if point.shape != (3,) or not np.all(np.isfinite(point)):
-        raise PylmcError(f"{what}: {value!r} is not a point; give three finite numbers")
+    if point.shape != (3,) or not np.all(np.abs(point) <= MAX_COORDINATE):
+        raise PylmcError(f"{what}: {value!r} is not a point; give three numbers, none beyond {MAX_COORDINATE:g}")
     return point
+
+
+def as_list(value: Any, what: str, kind: type) -> tuple[Any, ...]:
+    """A sequence whose every element is a ``kind``, as a tuple; raises PylmcError naming ``what``."""
+    if isinstance(value, str) or not isinstance(value, Iterable):
+        raise PylmcError(f"{what} is a {type(value).__name__}; give a list of {kind.__name__}")
+    items = tuple(value)
+    for index, item in enumerate(items):
+        if not isinstance(item, kind):
+            raise PylmcError(f"{what}[{index}] is a {type(item).__name__}, not {kind.__name__}")
+    return items
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,12 +59,10 @@ class Camera:
     def __post_init__(self) -> None:
         for name in ("origin", "target", "up"):
             object.__setattr__(self, name, as_point(getattr(self, name), f"Camera.{name}"))
-        if not 0 < self.fov < 180:
+        if isinstance(self.fov, bool) or not isinstance(self.fov, Real) or not 0 < self.fov < 180:
             raise PylmcError(f"Camera.fov={self.fov!r}: the vertical field of view must lie between 0 and 180 degrees")
         for name in ("width", "height"):
-            side = getattr(self, name)
-            if int(side) != side or not 1 <= side <= MAX_SIDE:
-                raise PylmcError(f"Camera.{name}={side!r}: give a whole number of pixels between 1 and {MAX_SIDE}")
+            object.__setattr__(self, name, check_integer(f"Camera.{name}", getattr(self, name), 1, MAX_SIDE))
         forward = self.target - self.origin
         if not np.linalg.norm(forward) > 0:
             raise PylmcError("Camera: origin and target coincide; move the target to where the camera should look")
@@ -88,19 +100,24 @@ class Shape:
         mesh = self.mesh
         if not isinstance(mesh, trimesh.Trimesh):
             try:
-                vertices, faces = mesh
-                mesh = trimesh.Trimesh(np.asarray(vertices, float), np.asarray(faces, int), process=False)
+                vertices, faces = (np.asarray(part) for part in mesh)
+                if vertices.ndim != 2 or vertices.shape[1] != 3:
+                    raise ValueError(f"vertices have shape {vertices.shape}, not (n, 3)")
+                if len(faces) and not np.array_equal(faces, faces.astype(int)):
+                    raise ValueError("faces must be whole numbers")
+                mesh = trimesh.Trimesh(vertices.astype(float), faces.astype(int), process=False)
             except (TypeError, ValueError) as error:
                 raise PylmcError(f"shape '{label}': mesh is neither a trimesh nor (vertices, faces): {error}") from None
             object.__setattr__(self, "mesh", mesh)
         if len(mesh.faces) == 0 or len(mesh.vertices) == 0:
             raise PylmcError(f"shape '{label}': the mesh is empty (no triangles)")
-        if not np.all(np.isfinite(mesh.vertices)):
-            bad = int(np.flatnonzero(~np.isfinite(mesh.vertices).all(axis=1))[0])
-            raise PylmcError(f"shape '{label}': vertex {bad} is NaN or infinite; repair the mesh")
-        if mesh.faces.min() < 0 or mesh.faces.max() >= len(mesh.vertices):
-            raise PylmcError(f"shape '{label}': a face names vertex {int(mesh.faces.max())}, "
-                             f"but there are only {len(mesh.vertices)}")  # fmt: skip
+        sound = np.all(np.abs(mesh.vertices) <= MAX_COORDINATE, axis=1)
+        if not np.all(sound):
+            bad = int(np.flatnonzero(~sound)[0])
+            raise PylmcError(f"shape '{label}': vertex {bad} is NaN, infinite or beyond {MAX_COORDINATE:g}; repair the mesh")
+        wrong = mesh.faces[(mesh.faces < 0) | (mesh.faces >= len(mesh.vertices))]
+        if len(wrong):
+            raise PylmcError(f"shape '{label}': a face names vertex {int(wrong[0])}, but there are {len(mesh.vertices)}")
         if not isinstance(self.material, Material):
             raise PylmcError(f"shape '{label}': unknown material {self.material!r}; use Diffuse, RoughConductor, "
                              "RoughDielectric or MetallicRoughness")  # fmt: skip
@@ -158,7 +175,10 @@ class Aperture:
     def __post_init__(self) -> None:
         for name in ("centre", "normal", "axis"):
             object.__setattr__(self, name, as_point(getattr(self, name), f"Aperture.{name}"))
-        half = np.broadcast_to(np.asarray(self.half_size, dtype=np.float64), 2)
+        try:
+            half = np.broadcast_to(np.asarray(self.half_size, dtype=np.float64), 2)
+        except (TypeError, ValueError):
+            raise PylmcError(f"Aperture.half_size={self.half_size!r}: give one positive number or two") from None
         if not np.all(np.isfinite(half)) or np.any(half <= 0):
             raise PylmcError(f"Aperture.half_size={self.half_size!r} must be positive")
         n = np.linalg.norm(self.normal)
@@ -190,14 +210,8 @@ class Scene:
     def __post_init__(self) -> None:
         if not isinstance(self.camera, Camera):
             raise PylmcError("Scene: no camera; give Camera(origin, target), or --auto-camera for a file without one")
-        object.__setattr__(self, "shapes", tuple(self.shapes))
-        object.__setattr__(self, "lights", tuple(self.lights))
-        for index, shape in enumerate(self.shapes):
-            if not isinstance(shape, Shape):
-                raise PylmcError(f"Scene.shapes[{index}] is a {type(shape).__name__}, not a Shape")
-        for index, light in enumerate(self.lights):
-            if not isinstance(light, PointLight):
-                raise PylmcError(f"Scene.lights[{index}] is a {type(light).__name__}, not a PointLight")
+        object.__setattr__(self, "shapes", as_list(self.shapes, "Scene.shapes", Shape))
+        object.__setattr__(self, "lights", as_list(self.lights, "Scene.lights", PointLight))
         if not self.shapes:
             raise PylmcError("Scene: no shapes; there is nothing for light to meet")
         if not self.lights and not any(shape.emission for shape in self.shapes):
@@ -209,10 +223,7 @@ class Scene:
 
             object.__setattr__(self, "apertures", tuple(find_apertures(self.shapes)))
         else:
-            object.__setattr__(self, "apertures", tuple(self.apertures))
-            for index, aperture in enumerate(self.apertures):
-                if not isinstance(aperture, Aperture):
-                    raise PylmcError(f"Scene.apertures[{index}] is a {type(aperture).__name__}, not an Aperture")
+            object.__setattr__(self, "apertures", as_list(self.apertures, "Scene.apertures", Aperture))
 
     def with_size(self, width: int, height: int) -> Scene:
         """The same scene on a film of another size."""

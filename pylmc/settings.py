@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any
 
+from .checks import check_choice, check_flag, check_integer, check_number
 from .errors import PylmcError
 
 CHARTS = ("equal-area", "orthographic", "orthographic-unit")
@@ -43,12 +44,19 @@ class Settings:
         choices = (("chart", CHARTS), ("coordinates", COORDINATES), ("rule", RULES), ("projection", PROJECTIONS))
         for name, allowed in choices:
             check_choice(name, getattr(self, name), allowed)
-        check_integer("max_depth", self.max_depth, 1, MAX_DEPTH)
-        if not 0 <= self.large_steps <= 1:
-            raise PylmcError(f"large_steps={self.large_steps!r} is a probability; give a number from 0 to 1")
-        low, high = self.step
-        if not 0 < low <= high < 100:
-            raise PylmcError(f"step={self.step!r}: give (least, greatest) with 0 < least <= greatest; try (0.02, 0.4)")
+        checked: dict[str, Any] = {
+            "max_depth": check_integer("max_depth", self.max_depth, 1, MAX_DEPTH),
+            "large_steps": check_number("large_steps", self.large_steps, 0, 1),
+            "drift": check_flag("drift", self.drift),
+            "even": check_flag("even", self.even),
+        }
+        try:
+            low, high = self.step
+            checked["step"] = check_number("step[0]", low, 1e-6, 100), check_number("step[1]", high, low, 100)
+        except (TypeError, ValueError):
+            raise PylmcError(f"step={self.step!r}: give (least, greatest); try (0.02, 0.4)") from None
+        for name, value in checked.items():  # plain Python numbers, which JSON knows
+            object.__setattr__(self, name, value)
 
     def defines(self) -> dict[str, Any]:
         """The kernel constants that these choices compile to."""
@@ -68,22 +76,6 @@ class Settings:
     def names(cls) -> tuple[str, ...]:
         """The names of all settings."""
         return tuple(field.name for field in fields(cls))
-
-
-def check_choice(name: str, value: Any, allowed: tuple[str, ...]) -> None:
-    """Raise PylmcError unless ``value`` is one of ``allowed``."""
-    if value not in allowed:
-        raise PylmcError(f"{name}={value!r} is unknown; choose from {', '.join(allowed)}")
-
-
-def check_integer(name: str, value: Any, least: int, greatest: int) -> None:
-    """Raise PylmcError unless ``value`` is a whole number in [least, greatest]."""
-    try:
-        whole = int(value) == value
-    except (TypeError, ValueError):
-        whole = False
-    if not whole or not least <= value <= greatest:
-        raise PylmcError(f"{name}={value!r}: give a whole number from {least} to {greatest}")
 
 
 def check_precision(precision: str) -> None:

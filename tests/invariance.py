@@ -45,14 +45,17 @@ def p_values(before: States, after: States, scene: Scene) -> dict[str, float]:
             continue
         # flat walls give coordinates that are equal up to rounding: a jitter keeps ties from looking like a difference
         noise = 1e-6 * np.ptp(both)
-        values[name] = float(stats.ks_2samp(a[name] + noise * rng.random(len(a[name])), b[name] + noise * rng.random(len(b[name]))).pvalue)
+        jittered = [x[name] + noise * rng.random(len(x[name])) for x in (a, b)]
+        values[name] = float(stats.ks_2samp(*jittered).pvalue)
     edges = [np.quantile(np.concatenate([a[k], b[k]]), np.linspace(0, 1, CELLS + 1)) for k in ("film x", "film y")]
     table = np.stack([np.histogram2d(f["film x"], f["film y"], bins=edges)[0].ravel() for f in (a, b)])
     values["film cells"] = float(stats.chi2_contingency(table[:, table.sum(axis=0) > 10]).pvalue)
     return values
 
 
-def moved_and_fresh(scene: Scene, steps: int, chains: int = 8192, candidates: int = 1 << 18, **settings: Any) -> tuple[Sampler, States, States]:
+def moved_and_fresh(
+    scene: Scene, steps: int, chains: int = 8192, candidates: int = 1 << 18, **settings: Any
+) -> tuple[Sampler, States, States]:
     """Two exact samples of the target from different seeds; the second has then been moved ``steps`` steps."""
     sampler = Sampler(scene, **settings)
     sampler.init(seed=101, chains=chains, candidates=candidates)

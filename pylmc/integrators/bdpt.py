@@ -39,7 +39,7 @@ class Bidirectional:
         floor = 0.01 * spreads.max()
         shares = np.maximum(spreads, floor)
         for group, share in zip(self.groups, shares / shares.sum(), strict=True):
-            group.first, group.chains = first, max(int(round(streams * share)), 8)
+            group.first, group.chains = first, max(round(float(streams * share)), 8)
             part = np.zeros(group.chains, device.dtypes["ChainStart"])
             part["length"], part["ending"], part["slot"] = group.length, group.ending, group.slot
             part["scale"] = 1 / max(group.b, 1e-6 * max(g.b for g in self.groups))

@@ -29,8 +29,10 @@ class PathTracer:
     def prepare(self, seed: int, quick: bool) -> None:
         device = self.sampler.device_scene
         self.seed = seed
+        self.sampler.weigh(1 << 12 if quick else 1 << 14, seed)  # refuses a scene in which no light path can be found
         self._film = device.zeros(self.sampler.film_pixels * 12)
-        self._counters = device.zeros(min(self.sampler.film_pixels, PIXELS_PER_LAUNCH) * device.dtypes["ChainCounters"].itemsize)
+        streams = min(self.sampler.film_pixels, PIXELS_PER_LAUNCH)
+        self._counters = device.zeros(streams * device.dtypes["ChainCounters"].itemsize)
         # a plain path tracer does not aim at holes
         self._kernel = device.kernel("path_tracer.cl", "render_paths", NUM_TARGETS=0)
         with device.compiling():

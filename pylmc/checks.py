@@ -1,0 +1,42 @@
+"""Checks of single values that several places share."""
+
+from __future__ import annotations
+
+from numbers import Real
+from typing import Any
+
+from .errors import PylmcError
+
+
+def _number(value: Any) -> float | None:
+    """A Python or NumPy number as a float; None for all else, truth values among it."""
+    return float(value) if isinstance(value, Real) and not isinstance(value, bool) else None
+
+
+def check_choice(name: str, value: Any, allowed: tuple[str, ...]) -> None:
+    """Raise PylmcError unless ``value`` is one of ``allowed``."""
+    if value not in allowed:
+        raise PylmcError(f"{name}={value!r} is unknown; choose from {', '.join(allowed)}")
+
+
+def check_integer(name: str, value: Any, least: int, greatest: int) -> int:
+    """``value`` as an int; raises PylmcError unless it is a whole number in [least, greatest]."""
+    number = _number(value)
+    if number is None or not least <= number <= greatest or number != int(number):
+        raise PylmcError(f"{name}={value!r}: give a whole number from {least} to {greatest}")
+    return int(value)
+
+
+def check_flag(name: str, value: Any) -> bool:
+    """``value`` as a bool; raises PylmcError for anything else, such as the word 'no'."""
+    if value not in (True, False):
+        raise PylmcError(f"{name}={value!r}: give True or False")
+    return bool(value)
+
+
+def check_number(name: str, value: Any, least: float, greatest: float) -> float:
+    """``value`` as a float; raises PylmcError unless it is a number in [least, greatest]."""
+    number = _number(value)
+    if number is None or not least <= number <= greatest:
+        raise PylmcError(f"{name}={value!r}: give a number from {least:g} to {greatest:g}")
+    return number
