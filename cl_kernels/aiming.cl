@@ -13,6 +13,13 @@
 
 #if NUM_TARGETS > 0
 
+// An aperture is aimed at with a margin: rounding puts the geometry's edge to either side of the rectangle's, and a path in
+// between would be all but impossible to draw, hence of enormous weight.
+#define AIM_MARGIN 1.002f
+float2 aimed_half_size(__global const Target *target) {
+    return AIM_MARGIN * (float2)(target->half_size[0], target->half_size[1]) + 1e-6f;
+}
+
 // cos of the cone that the sphere fills, seen from x, as 1 - cos (small cones keep their digits); 2 from inside.
 float cone_of_sphere(float3 x, __global const Target *target) {
     float sine2 = square(target->half_size[0]) / fmax(length2(vec3(target->centre) - x), 1e-30f);
@@ -33,9 +40,9 @@ float target_density(__global const Target *target, float3 x, float3 direction) 
     if (cosine * height <= 0.0f) return 0.0f;
     float t = height / cosine;
     float3 offset = t * direction - to;
-    if (fabs(dot(offset, axis)) > target->half_size[0] || fabs(dot(offset, cross(normal, axis))) > target->half_size[1])
-        return 0.0f;
-    return t * t / (4.0f * target->half_size[0] * target->half_size[1] * fabs(cosine));
+    float2 half_size = aimed_half_size(target);
+    if (fabs(dot(offset, axis)) > half_size.x || fabs(dot(offset, cross(normal, axis))) > half_size.y) return 0.0f;
+    return t * t / (4.0f * half_size.x * half_size.y * fabs(cosine));
 }
 
 float3 sample_target(__global const Target *target, float3 x, Rng *rng) {
@@ -50,7 +57,8 @@ float3 sample_target(__global const Target *target, float3 x, Rng *rng) {
                          (1.0f - fall) * axis_of_cone);
     }
     float3 bitangent = cross(vec3(target->normal), axis);
-    float3 point = centre + (2.0f * u1 - 1.0f) * target->half_size[0] * axis + (2.0f * u2 - 1.0f) * target->half_size[1] * bitangent;
+    float2 half_size = aimed_half_size(target);
+    float3 point = centre + (2.0f * u1 - 1.0f) * half_size.x * axis + (2.0f * u2 - 1.0f) * half_size.y * bitangent;
     return normalize(point - x);
 }
 

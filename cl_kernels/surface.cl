@@ -55,6 +55,12 @@ void place_on_triangle(const Scene *scene, int triangle, float bu, float bv, Ver
 #endif
 }
 
+// A segment must leave and meet surfaces by more than the offset that keeps rays off them. Two points of one plane, joined,
+// would else see each other, or through each other's back, by rounding alone, at any 1 / r^2. A point without a surface has normal zero.
+bool leaves_surface(float3 normal, float3 segment) {
+    return fabs(dot(normal, segment)) > RAY_OFFSET || length2(normal) == 0.0f;
+}
+
 // The node met by the ray from `from` (null: the camera) along v; v and t are those of the segment just traced.
 bool trace_to_vertex(Scene *scene, const Vertex *from, float3 v, Vertex *vertex) {
     float3 origin = from ? offset_from_surface(from->x, from->ng, v) : vec3(scene->camera->origin);
@@ -62,13 +68,15 @@ bool trace_to_vertex(Scene *scene, const Vertex *from, float3 v, Vertex *vertex)
     if (!trace(scene, origin, v, &hit)) return false;
     place_on_triangle(scene, hit.triangle, hit.u, hit.v, vertex);
     vertex->v = v;
-    vertex->t = distance(vertex->x, from ? from->x : origin);
-    return vertex->t > 0.0f;
+    float3 segment = vertex->x - (from ? from->x : origin);
+    vertex->t = length(segment);
+    return leaves_surface(vertex->ng, segment) && (!from || leaves_surface(from->ng, segment));
 }
 
 // Does anything block the segment from a to b? Either end may be a point without a surface (normal zero).
 bool visible(Scene *scene, float3 a, float3 normal_a, float3 b, float3 normal_b) {
     float3 towards = b - a;
+    if (!leaves_surface(normal_a, towards) || !leaves_surface(normal_b, towards)) return false;
     float3 from = offset_from_surface(a, normal_a, towards), to = offset_from_surface(b, normal_b, -towards);
     scene->rays++;
     return !any_hit(scene->nodes, scene->leaves, from, to - from, 1.0f);
