@@ -3,6 +3,9 @@
     python -m bench.equal_time                 the keyhole at hole 0.01, roughness 0.005, and at a tenth of both
     python -m bench.equal_time --seconds 10    quicker and rougher
 
+The two bdpt rows are the chains' own independent sampler alone: as it is, aiming at the hole from the light, from diffuse
+nodes and from the camera; and as theory.md, 6 has it, with the light's first direction aimed only.
+
 Each method renders for the same run time with each of the seeds; the error is relMSE per pixel against a long reference
 (lmc with target charts, other seeds), whole and with the worst 0.1 % of pixels left out. Medians over the seeds; the
 last columns are ratios to the first method. Writes out/equal_time.json and .md, and the pictures beside them.
@@ -24,7 +27,8 @@ from pylmc.compare import metrics
 METHODS: dict[str, dict[str, Any]] = {
     "lmc, target charts": {},
     "lmc, deviation charts": {"coordinates": "deviation"},
-    "bdpt": {"integrator": "bdpt"},
+    "bdpt, aimed from everywhere": {"integrator": "bdpt"},
+    "bdpt, aimed from the light": {"integrator": "bdpt", "aim": "light"},
     "path": {"integrator": "path"},
 }
 CASES = ({"hole": 0.01, "roughness": 0.005}, {"hole": 0.001, "roughness": 0.0005})

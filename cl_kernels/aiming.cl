@@ -1,6 +1,7 @@
 // Aimed directions (theory.md, 6: the independent sampler's first direction goes, part of the time, to a uniform point of an
 // aperture). Targets are apertures, aimed at uniformly in area, and small objects, aimed at uniformly in the cone of their
-// bounding sphere. Diffuse nodes and the camera aim too: any segment may cross an aperture.
+// bounding sphere. With AIM_EVERYWHERE diffuse nodes and
+// the camera aim too, for any segment may cross an aperture; without it the light alone does, as in theory.md.
 #ifndef PYLMC_AIMING
 #define PYLMC_AIMING
 
@@ -8,8 +9,8 @@
 #include "scene.cl"
 
 #define AIM_FROM_LIGHT 0.5f
-#define AIM_FROM_NODE 0.25f
-#define AIM_FROM_CAMERA 0.1f  // a hole that the camera looks through covers few pixels and may be the brightest thing
+#define AIM_FROM_NODE (AIM_EVERYWHERE ? 0.25f : 0.0f)
+#define AIM_FROM_CAMERA (AIM_EVERYWHERE ? 0.1f : 0.0f)  // a hole that the camera looks through covers few pixels and may be the brightest thing
 
 #if NUM_TARGETS > 0
 
@@ -67,6 +68,7 @@ float3 sample_target(__global const Target *target, float3 x, Rng *rng) {
 // The density of a direction that is aimed with the given probability and else drawn with density `otherwise`.
 float aimed_density(const Scene *scene, float3 x, float3 direction, float otherwise, float probability) {
 #if NUM_TARGETS > 0
+    if (probability == 0.0f) return otherwise;
     float aimed = 0.0f;
     for (int i = 0; i < NUM_TARGETS; i++) aimed += target_density(&scene->targets[i], x, direction);
     return (1.0f - probability) * otherwise + probability * aimed / NUM_TARGETS;

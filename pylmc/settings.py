@@ -11,6 +11,7 @@ from .errors import PylmcError
 CHARTS = ("equal-area", "orthographic", "orthographic-unit")
 COORDINATES = ("target", "deviation")
 RULES = ("sum", "mean", "rms")
+AIMS = ("everywhere", "light")
 PROJECTIONS = ("normalise", "orthographic")
 INTEGRATORS = ("lmc", "bdpt", "path")
 PRECISIONS = ("single", "mixed", "double")
@@ -26,7 +27,9 @@ class Settings:
     rule: the combination rule (21). drift: whether steps follow the gradient. projection: of v_1, eq. (3)
     (``normalise``) or the preprint's alternative (``orthographic``); used with deviation coordinates only.
     max_depth: segments of the longest path. large_steps: probability of an independent step.
-    step: (least, greatest) step length h, drawn log-uniformly each step. even: whether the target is weighted so that dark
+    step: (least, greatest) step length h, drawn log-uniformly each step.
+    aim: from where the independent sampler aims at apertures and small objects: ``everywhere`` (light, camera and diffuse
+    nodes) or ``light`` (its first direction only, as in theory.md, 6). even: whether the target is weighted so that dark
     and bright parts of the film get alike many samples (see :mod:`pylmc.evenness`), or is plain luminance.
     """
 
@@ -36,12 +39,14 @@ class Settings:
     rule: str = "sum"
     drift: bool = False
     projection: str = "normalise"
-    large_steps: float = 0.1
+    large_steps: float = 0.2
     step: tuple[float, float] = (0.02, 0.4)
+    aim: str = "everywhere"
     even: bool = True
 
     def __post_init__(self) -> None:
-        choices = (("chart", CHARTS), ("coordinates", COORDINATES), ("rule", RULES), ("projection", PROJECTIONS))
+        choices = (("chart", CHARTS), ("coordinates", COORDINATES), ("rule", RULES), ("projection", PROJECTIONS),
+                   ("aim", AIMS))  # fmt: skip
         for name, allowed in choices:
             check_choice(name, getattr(self, name), allowed)
         checked: dict[str, Any] = {
@@ -70,6 +75,7 @@ class Settings:
             "PROJECTION": PROJECTIONS.index(self.projection),
             "COORDINATES_TARGET": self.coordinates == "target",
             "DRIFT": self.drift,
+            "AIM_EVERYWHERE": self.aim == "everywhere",
         }
 
     @classmethod
