@@ -1,7 +1,7 @@
 # `make render` on a bare Debian or Ubuntu with Python 3.11 or newer: sets everything up and draws a picture.
 # PYTHON=/path/to/python chooses the interpreter for a new .venv; SECONDS_=30 shortens `make render`.
 PYTHON ?=
-SECONDS_ ?= 120
+SECONDS_ ?= 150
 BIN = .venv/bin
 SETUP = PYTHON="$(PYTHON)" sh tools/setup.sh
 

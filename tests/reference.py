@@ -25,6 +25,7 @@ LUMINANCE = np.array([0.212671, 0.715160, 0.072169])
 DIFFUSE, REFLECT, DIELECTRIC_REFLECT, TRANSMIT = range(4)
 CONNECT, HIT = range(2)
 PROJECTION, DEVIATION, NODE, APERTURE = range(4)
+AIM_MARGIN = 1.002  # apertures are aimed at with this margin, and 1e-6 scene radii
 AIM_FROM_LIGHT, AIM_FROM_NODE, AIM_FROM_CAMERA = 0.5, 0.25, 0.1
 
 Array = np.ndarray
@@ -386,9 +387,10 @@ class World:
             with np.errstate(all="ignore"):
                 t = ((centre - x) @ normal) / cosine
                 offset = x + t[:, None] * direction - centre
-                inside = (t > 0) & (np.abs(offset @ axis) <= target["half_size"][0])
-                inside &= np.abs(offset @ np.cross(normal, axis)) <= target["half_size"][1]
-                area = 4.0 * float(target["half_size"][0]) * float(target["half_size"][1])
+                half = AIM_MARGIN * target["half_size"].astype(np.float64) + 1e-6
+                inside = (t > 0) & (np.abs(offset @ axis) <= half[0])
+                inside &= np.abs(offset @ np.cross(normal, axis)) <= half[1]
+                area = 4.0 * half[0] * half[1]
                 total += np.where(inside, t**2 / (area * np.abs(cosine)), 0)
         return (1 - share) * otherwise + share * total / len(targets)
 
