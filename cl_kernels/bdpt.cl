@@ -4,7 +4,7 @@
 
 #define PURPOSE_BDPT 2u
 
-__kernel void render_independent(SCENE_PARAMETERS, uint seed, ulong first_step, int steps, uint streams, __global const ChainStart *groups,
+PATH_KERNEL void render_independent(SCENE_PARAMETERS, uint seed, ulong first_step, int steps, uint streams, __global const ChainStart *groups,
                                  __global ChainCounters *counters, __global volatile uint *film, int film_pixels) {
     uint index = get_global_id(0);
     if (index >= streams) return;

@@ -13,7 +13,7 @@ float log_path_weight(Scene *scene, uint seed, uint group, uint number, int leng
     return isfinite(weight) ? weight : LOG_ZERO;
 }
 
-__kernel void weigh_candidates(SCENE_PARAMETERS, uint seed, uint group, int length, int ending, uint first, uint count, __global float *log_weights, __global float *positions) {
+PATH_KERNEL void weigh_candidates(SCENE_PARAMETERS, uint seed, uint group, int length, int ending, uint first, uint count, __global float *log_weights, __global float *positions) {
     uint index = get_global_id(0);
     if (index >= count) return;
     Scene scene = SCENE_BUNDLE;
@@ -26,19 +26,23 @@ __kernel void weigh_candidates(SCENE_PARAMETERS, uint seed, uint group, int leng
     vstore2(position, index, positions);
 }
 
-__kernel void start_chains(SCENE_PARAMETERS, uint seed, uint chains, __global const ChainStart *starts, __global ChainState *states) {
+PATH_KERNEL void start_chains(SCENE_PARAMETERS, uint seed, uint chains, __global const ChainStart *starts, __global ChainState *states) {
     uint index = get_global_id(0);
     if (index >= chains) return;
     Scene scene = SCENE_BUNDLE;
-    Path path;
+    Path path = {0};
     Radiance radiance;
     ChainStart start = starts[index];
     __global ChainState *state = &states[index];
     float log_p;
-    log_path_weight(&scene, seed, start.group, start.number, start.length, start.ending, &path, &radiance, &log_p);
+    bool found = log_path_weight(&scene, seed, start.group, start.number, start.length, start.ending, &path, &radiance, &log_p) > LOG_ZERO;
+    // A compiler may round differently here than in weigh_candidates, so that a path on the edge of existence is not found
+    // again: its chain starts dark, and leaves by its first large step.
+    path.length = start.length;
+    path.ending = start.ending;
     store_path(&path, state);
     state->slot = start.slot;
-    state->log_i = radiance.log_i;
-    state->log_p = log_p;
-    vstore3(colour_over_target(&radiance), 0, state->colour);
+    state->log_i = found ? radiance.log_i : LOG_ZERO;
+    state->log_p = found ? log_p : 0.0f;
+    vstore3(found ? colour_over_target(&radiance) : (float3)(0.0f), 0, state->colour);
 }

@@ -6,7 +6,7 @@
 
 #define PURPOSE_CHAIN 1u
 
-__kernel void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int steps, uint chains, float p_large, float log_h_min, float log_h_max,
+PATH_KERNEL void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int steps, uint chains, float p_large, float log_h_min, float log_h_max,
                          __global ChainState *states, __global ChainCounters *counters, __global volatile uint *film, int film_pixels) {
     uint index = get_global_id(0);
     if (index >= chains) return;
@@ -18,7 +18,7 @@ __kernel void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int step
     load_path(&scene, state, &paths[0]);
     float log_i = state->log_i, log_p = state->log_p;
     float3 colour = vec3(state->colour);
-    int pixel = pixel_of(&scene, paths[0].vertex[1].v);
+    int pixel = max(pixel_of(&scene, paths[0].vertex[1].v), 0);  // a chain that starts dark has none
     size_t slot = (size_t)state->slot * film_pixels;
     float weight_sum = 0.0f, weight_square_sum = 0.0f;
 
@@ -28,7 +28,7 @@ __kernel void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int step
         Radiance radiance;
         float log_acceptance = -INFINITY, log_p_new = NAN;
         int move = 0;
-        if (rng_uniform(&rng) < p_large) {
+        if (rng_uniform(&rng) < p_large || !(log_i > LOG_ZERO)) {
             float weight = 0.0f;
             if (sample_path(&scene, x->length, x->ending, &rng, y)) {
                 radiance = integrand(&scene, y);
@@ -36,7 +36,7 @@ __kernel void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int step
                 if (isnan(log_p)) log_p = log_independent_density(&scene, x);
                 log_acceptance = (radiance.log_i - log_p_new) - (log_i - log_p);
                 if (isfinite(radiance.log_i - log_p_new)) weight = exp(radiance.log_i - log_p_new);
-                if (!isfinite(log_acceptance)) {
+                if (isnan(log_acceptance)) {
                     count->not_finite++;
                     log_acceptance = -INFINITY;
                 }

@@ -77,14 +77,19 @@ void constrain_object(const Scene *scene, const Vertex *vertex, const Tangent *d
 #endif
 }
 
-// The normal keeps within one radian as the node moves (17), (19): on curved faces only.
-void constrain_normal(const Curvature *curvature, const Tangent *dn, int blocks, Factor *factor) {
+// The normal keeps within one radian as the node moves (17), (19): on curved faces only. Not within the lobe: the deviation is
+// counted from the reference direction, which turns with the normal, so that the path stays in its lobe wherever it goes.
+void constrain_normal(const Vertex *vertex, const Curvature *curvature, const Tangent *dn, int blocks, Factor *factor) {
 #if HAS_SMOOTH
     if (curvature->flat) return;
-    float3 axis = normalize(length2(curvature->a) > length2(curvature->b) ? curvature->a : curvature->b + (float3)(1e-20f));
-    Row row;
-    for (int b = 0; b < blocks; b++) row.block[b] = tangent_dot(axis, dn[b]);
-    factor_add_row(factor, &row, 0);
+    float3 axes[2];
+    axes[0] = any_tangent(vertex->ns);
+    axes[1] = cross(vertex->ns, axes[0]);
+    for (int e = 0; e < 2; e++) {
+        Row row;
+        for (int b = 0; b < blocks; b++) row.block[b] = tangent_dot(axes[e], dn[b]);
+        factor_add_row(factor, &row, 0);
+    }
     factor->constraints++;
 #endif
 }

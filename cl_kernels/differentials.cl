@@ -48,7 +48,7 @@ Curvature curvature_at(const Scene *scene, const Vertex *vertex) {
         curvature.b = scale * (n2 - n0);
         curvature.a -= dot(vertex->ns, curvature.a) * vertex->ns;
         curvature.b -= dot(vertex->ns, curvature.b) * vertex->ns;
-        curvature.flat = false;
+        curvature.flat = length2(curvature.a) + length2(curvature.b) < 1e-12f;  // vertex normals may all be equal
     }
 #endif
     return curvature;

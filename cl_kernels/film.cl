@@ -1,6 +1,6 @@
 // The film: 64-bit fixed point, two 32-bit words a channel, added with 32-bit atomics alone (OpenCL 1.2 core). The low
 // word's sum wraps; whoever sees it wrap carries one into the high word. Every wrap is seen once, so the sum is exact and
-// does not depend on the order of the additions: the same seed gives the same image on every device.
+// does not depend on the order of the additions: the same seed gives the same image, run after run, on any one device.
 #ifndef PYLMC_FILM
 #define PYLMC_FILM
 
@@ -18,10 +18,10 @@ void film_add_channel(__global volatile uint *word, float value) {
     if (high) atomic_add(&word[1], high);
 }
 
-void film_add(__global volatile uint *film, int pixel, float3 value) {
-    film_add_channel(film + 6 * (size_t)pixel, value.x);
-    film_add_channel(film + 6 * (size_t)pixel + 2, value.y);
-    film_add_channel(film + 6 * (size_t)pixel + 4, value.z);
+void film_add(__global volatile uint *film, size_t pixel, float3 value) {
+    film_add_channel(film + 6 * pixel, value.x);
+    film_add_channel(film + 6 * pixel + 2, value.y);
+    film_add_channel(film + 6 * pixel + 4, value.z);
 }
 
 #endif

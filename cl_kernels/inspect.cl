@@ -4,7 +4,7 @@
 #include "small_step.cl"
 
 // block: how many leading directions; 0: all free ones.
-__kernel void describe_chains(SCENE_PARAMETERS, uint chains, __global const ChainState *states, int block, __global float *node_out,
+PATH_KERNEL void describe_chains(SCENE_PARAMETERS, uint chains, __global const ChainState *states, int block, __global float *node_out,
                               __global float *directions, __global float *deviations, __global int *kinds, __global int *lobes,
                               __global float *densities, __global float *factors, __global float *gradients) {
     uint index = get_global_id(0);
@@ -45,7 +45,7 @@ __kernel void describe_chains(SCENE_PARAMETERS, uint chains, __global const Chai
 }
 
 // Move each chain's path by deltas (2 * MAX_DEPTH a chain) and report the new nodes and directions; NaN where there is none.
-__kernel void displace_chains(SCENE_PARAMETERS, uint chains, __global const ChainState *states, int block, __global const float *deltas,
+PATH_KERNEL void displace_chains(SCENE_PARAMETERS, uint chains, __global const ChainState *states, int block, __global const float *deltas,
                               __global float *node_out, __global float *directions) {
     uint index = get_global_id(0);
     if (index >= chains) return;

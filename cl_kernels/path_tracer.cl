@@ -88,7 +88,7 @@ float3 trace_path(Scene *scene, float3 v, int max_depth, Rng *rng) {
     return radiance;
 }
 
-__kernel void render_paths(SCENE_PARAMETERS, uint seed, ulong first_step, int steps, int max_depth, int first_pixel, int pixels,
+PATH_KERNEL void render_paths(SCENE_PARAMETERS, uint seed, ulong first_step, int steps, int max_depth, int first_pixel, int pixels,
                            __global ChainCounters *counters, __global float *film) {
     int index = get_global_id(0);
     if (index >= pixels) return;

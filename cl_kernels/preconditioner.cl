@@ -85,7 +85,7 @@ void precondition(const Scene *scene, const Path *path, int m, float3 p, const C
         if (chart->kind == KIND_DEVIATION) constrain_free_lobe(scene, here, chart, 2 * j - 2, factor);
         constrain_apertures(scene, x, next, dx0, dx, chart->kind - KIND_APERTURE, blocks, factor);
         if (HAS_SMALL_OBJECTS || j == path->length) constrain_object(scene, next, dx, blocks, factor);
-        constrain_normal(&curvature, dn, blocks, factor);
+        constrain_normal(next, &curvature, dn, blocks, factor);
         x = next->x;
     }
     if (m == path->length) {

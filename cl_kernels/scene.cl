@@ -6,6 +6,10 @@
 #include "vectors.cl"
 #include "traverse.cl"
 
+// Work-items go their own ways through the tree; the hint keeps compilers from running several side by side. It is needed for
+// more than speed: Intel's CPU compiler, left to itself, loses occlusions here (tests/test_devices_agree.py).
+#define PATH_KERNEL __kernel __attribute__((vec_type_hint(float8)))
+
 typedef struct {
     __global const BvhNode *nodes;
     __global const BvhLeaf *leaves;

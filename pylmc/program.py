@@ -127,8 +127,8 @@ def build(
     """Kernel source ``main`` compiled for the devices of ``context``.
 
     ``defines`` become ``#define`` lines, sorted, with values written by :func:`literal`; ``structs`` are C declarations
-    (see :mod:`pylmc.structs`) placed before the source. Contraction of ``a * b + c`` is off, so results agree bit by
-    bit between devices. Raises PylmcError with the device, the first error's file and line, and the log's head.
+    (see :mod:`pylmc.structs`) placed before the source. Contraction of ``a * b + c`` is off, so devices differ by
+    their built-in functions at most. Raises PylmcError with the device, the first error's file and line, and the log's head.
     """
     text = "\n".join(
         [

@@ -26,7 +26,7 @@ from .integrators.path import PathTracer
 from .sampler import Sampler
 from .scene import Scene
 from .settings import INTEGRATORS, check_precision
-from .statistics import relative_error
+from .statistics import LUMINANCE, relative_error
 
 BATCHES = 16  # the error estimate compares this many parts of the run
 QUICK_SECONDS, QUICK_MUTATIONS = 10, 1 << 23  # shorter renders spend less on the start
@@ -137,7 +137,7 @@ def render(
         "versions": _versions(), "interrupted": asked.is_set(), worker.unit: worker.done,
         f"{worker.unit}_per_second": worker.done / run if run else 0.0,
         **worker.diagnostics(),
-        "relative_error": relative_error(image, variance),
+        "mean_luminance": float((image @ LUMINANCE).mean()), "relative_error": relative_error(image, variance),
         "seconds": {"build": worker.seconds["build"], "compile": sampler.compile_seconds,
                     "bootstrap": worker.seconds["bootstrap"], "run": run},
     }  # fmt: skip

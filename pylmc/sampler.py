@@ -127,6 +127,7 @@ class Sampler:
         self.device_scene = DeviceScene(self.compiled, self.settings, device)
         self.seconds = {"build": time.perf_counter() - start, "bootstrap": 0.0, "run": 0.0}
         self.groups: list[Group] = []
+        self.dark_groups: list[str] = []  # those in which the start found no light
         self.seed = 0
         self.steps_done = 0
 
@@ -198,8 +199,10 @@ class Sampler:
         self.device_scene.set_evenness(np.ones((GRID, GRID), np.float32))
         if self.settings.even:
             self._weight_target(max(candidates // 4, 1))
-        groups = [group for group in self._weigh(candidates, seed) if group.weight_sum > 0]
-        self._check_found(groups, candidates)
+        weighed = self._weigh(candidates, seed)
+        self._check_found(weighed, candidates)
+        groups = [group for group in weighed if group.weight_sum > 0]
+        self.dark_groups = [group.name for group in weighed if not group.weight_sum > 0]
         total = sum(group.b for group in groups)
         rng = np.random.default_rng([seed, 1])
         starts = []

@@ -40,7 +40,7 @@ class Settings:
     drift: bool = False
     projection: str = "normalise"
     large_steps: float = 0.2
-    step: tuple[float, float] = (0.02, 0.4)
+    step: tuple[float, float] = (0.01, 0.3)
     aim: str = "everywhere"
     even: bool = True
 
@@ -59,7 +59,7 @@ class Settings:
             low, high = self.step
             checked["step"] = check_number("step[0]", low, 1e-6, 100), check_number("step[1]", high, low, 100)
         except (TypeError, ValueError):
-            raise PylmcError(f"step={self.step!r}: give (least, greatest); try (0.02, 0.4)") from None
+            raise PylmcError(f"step={self.step!r}: give (least, greatest); try (0.01, 0.3)") from None
         for name, value in checked.items():  # plain Python numbers, which JSON knows
             object.__setattr__(self, name, value)
 

@@ -771,8 +771,11 @@ def _object_and_normal(world: World, base: Paths, j: int, nodes: Array, normals:
         scale = np.copysign(1 / np.maximum(np.linalg.norm(blended, axis=-1), 1e-300), dot(blended, base.ns[:, j]))
         slopes = [scale[:, None] * (corner[:, k] - corner[:, 0]) for k in (1, 2)]
         a, b = (d - dot(d, base.ns[:, j])[:, None] * base.ns[:, j] for d in slopes)
-        axis = unit(np.where((dot(a, a) > dot(b, b))[:, None], a, b) + 1e-200)
-        add(np.einsum("ni,nik->nk", axis, normals[:, j]), smooth, name + 1)
+        bent = smooth & (dot(a, a) + dot(b, b) >= 1e-12)
+        # any two axes across the normal: the sum of their rows' squares is the same
+        first = unit(np.cross(base.ns[:, j], np.eye(3)[np.argmin(np.abs(base.ns[:, j]), axis=1)]))
+        for axis in (first, np.cross(base.ns[:, j], first)):
+            add(np.einsum("ni,nik->nk", axis, normals[:, j]), bent, name + 1)
     return name + 2
 
 
