@@ -92,7 +92,8 @@ class LangevinMonteCarlo:
         b = sum(group.b for group in self.sampler.groups)
         error = float(np.sqrt(sum(group.b_error**2 for group in self.sampler.groups)))
         return {
-            "groups": groups, "groups_without_light": self.sampler.dark_groups, "b": self._radiance(b), "b_error": self._radiance(error),
+            "groups": groups, "groups_without_light": self.sampler.dark_groups,
+            "b": self._radiance(b), "b_error": self._radiance(error),
             "acceptance": round(float(self.acceptance.sum() / max(self.proposed.sum(), 1)), 4),
             "ess": round(total_ess, 1), "rhat": round(worst_rhat, 4), "chains": self.sampler.chains,
             "rays": self.rays, "not_finite_rejected": self.not_finite,
