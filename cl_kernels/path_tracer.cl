@@ -69,7 +69,9 @@ float3 trace_path(Scene *scene, float3 v, int max_depth, Rng *rng) {
         int lobe = choose_lobe(material, rng);
         vertex->lobe = lobe;
         throughput /= choice_probability(material, lobe);
-        radiance += throughput * (point_light_sample(scene, vertex, -v, rng) + emitter_sample(scene, vertex, -v, rng));
+        // two statements: C does not say which of two operands draws its random numbers first
+        radiance += throughput * point_light_sample(scene, vertex, -v, rng);
+        radiance += throughput * emitter_sample(scene, vertex, -v, rng);
         vertex->lobe = lobe;
         float3 wo;
         float scale;

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from .loading import load
     from .raytracer import RayTracer
     from .rendering import Render, render
-    from .sampler import Sampler, States
+    from .sampler import Sampler
     from .scene import (
         Aperture,
         Camera,
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         Shape,
         Texture,
     )
+    from .states import States
 
     __version__: str
 
@@ -41,7 +42,7 @@ _HOME = {
     "loading": ("load",),
     "raytracer": ("RayTracer",),
     "rendering": ("Render", "render"),
-    "sampler": ("Sampler", "States"),
+    "sampler": ("Sampler",), "states": ("States",),
     "scene": ("Aperture", "Camera", "Diffuse", "MetallicRoughness", "PointLight", "RoughConductor", "RoughDielectric",
               "Scene", "Shape", "Texture"),
 }  # fmt: skip

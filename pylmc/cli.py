@@ -21,11 +21,10 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from .errors import PylmcError
-from .settings import CHARTS, COORDINATES, INTEGRATORS, MAX_DEPTH, PRECISIONS, RULES
+from .settings import CHARTS, COORDINATES, DEFAULT_SECONDS, INTEGRATORS, MAX_DEPTH, PRECISIONS, RULES
 
 __all__ = ["main"]
 
-DEFAULT_SECONDS = 60.0
 INTERRUPTED = 130
 
 EPILOG = """\

@@ -20,8 +20,7 @@ from .materials import Diffuse, Material, MetallicRoughness, RoughConductor, Rou
 from .objects import SceneObject, find_objects
 from .preconditioner import NARROW_ALPHA, ConstraintPlan, plan_constraints, roughness
 from .scene import Scene, Shape
-
-LUMINANCE = np.array([0.212671, 0.715160, 0.072169])
+from .statistics import LUMINANCE
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,21 +189,29 @@ def _lights(scene: Scene, areas: np.ndarray, shape_of: np.ndarray, centre: np.nd
     if len(points):
         points["position"] = (np.array([light.position for light in scene.lights]) - centre) / scale
         points["intensity"] = intensities / scale**2 * exposure
-        points["cumulative"] = np.cumsum(point_power) / point_power.sum()
+        points["cumulative"] = np.cumsum(_shares(point_power))
     emitting = np.flatnonzero(triangle_power > 0)
     emitter_of_shape = np.full(len(scene.shapes), -1)
     shining = np.unique(shape_of[emitting])
     emitter_of_shape[shining] = np.arange(len(shining))
     emitters = np.zeros(len(shining), layout.EMITTER)
     emitters["radiance"] = radiances[shining] * exposure
-    if len(shining):
-        emitters["density"] = (radiances @ LUMINANCE)[shining] / triangle_power.sum()
-    cdf = np.cumsum(triangle_power[emitting]) / max(triangle_power.sum(), 1e-300)
+    # a shape by its share, a triangle of it by area: the density per area is the same all over a shape
+    shape_areas = np.bincount(shape_of[emitting], weights=areas[emitting], minlength=len(scene.shapes))[shining]
+    shape_power = np.bincount(shape_of[emitting], weights=triangle_power[emitting], minlength=len(scene.shapes))[shining]
+    density = _shares(shape_power) / shape_areas
+    emitters["density"] = density
+    cdf = np.cumsum(areas[emitting] * density[emitter_of_shape[shape_of[emitting]]])
     return {
         "points": points, "emitters": emitters, "emitter_cdf": cdf.astype(np.float32),
         "emitter_triangles": emitting.astype(np.int32), "emitter_of_shape": emitter_of_shape,
         "radiance_scale": 1 / exposure,
     }  # fmt: skip
+
+
+def _shares(power: np.ndarray) -> np.ndarray:
+    """Each light's probability: half by power, half alike, for the brightest lamp may be one that nobody sees."""
+    return (power / power.sum() + 1 / len(power)) / 2 if len(power) else power
 
 
 def _camera(scene: Scene, centre: np.ndarray, scale: float) -> np.ndarray:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from .checks import check_number
 from .errors import PylmcError
 
 RGB = tuple[float, float, float]
@@ -120,7 +121,7 @@ class RoughDielectric:
         except (TypeError, ValueError):
             raise PylmcError(f"RoughDielectric: ior {self.ior!r} is not a number") from None
         if not (np.isfinite(ior) and ior > 0 and abs(ior - 1) > 1e-3):
-            raise PylmcError(f"RoughDielectric: ior={self.ior:g} must be positive and differ from 1 (glass: 1.5)")
+            raise PylmcError(f"RoughDielectric: ior={ior:g} must be positive and differ from 1 (glass: 1.5)")
         object.__setattr__(self, "ior", ior)
 
 
@@ -139,10 +140,7 @@ class MetallicRoughness:
         if not isinstance(self.base_color, Texture):
             object.__setattr__(self, "base_color", as_rgb(self.base_color, "MetallicRoughness.base_color", 1.0))
         for name in ("metallic", "roughness"):
-            value = getattr(self, name)
-            if not (isinstance(value, int | float | np.floating) and 0 <= float(value) <= 1):
-                raise PylmcError(f"MetallicRoughness.{name}={value!r} must lie in [0, 1]")
-            object.__setattr__(self, name, float(value))
+            object.__setattr__(self, name, check_number(f"MetallicRoughness.{name}", getattr(self, name), 0, 1))
 
 
 Material = Diffuse | RoughConductor | RoughDielectric | MetallicRoughness

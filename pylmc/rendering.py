@@ -25,12 +25,11 @@ from .integrators.lmc import LangevinMonteCarlo
 from .integrators.path import PathTracer
 from .sampler import Sampler
 from .scene import Scene
-from .settings import INTEGRATORS, check_precision
+from .settings import DEFAULT_SECONDS, INTEGRATORS, check_precision
 from .statistics import LUMINANCE, relative_error
 
 BATCHES = 16  # the error estimate compares this many parts of the run
 QUICK_SECONDS, QUICK_MUTATIONS = 10, 1 << 23  # shorter renders spend less on the start
-DEFAULT_SECONDS = 30.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +106,7 @@ def render(
 ) -> Render:
     """Render ``scene`` for ``seconds`` of run time, or ``mutations_per_pixel`` (samples, for bdpt and path).
 
-    Neither given: 30 seconds. ``seed`` and the work fix the picture on a given device. ``integrator``: ``lmc`` (chains),
+    Neither given: 60 seconds. ``seed`` and the work fix the picture on a given device. ``integrator``: ``lmc`` (chains),
     ``bdpt`` (their independent sampler alone) or ``path`` (a path tracer). The rest are those of
     :class:`pylmc.settings.Settings`; further ones may be given by name. Ctrl-C ends early with the picture so far and
     ``diagnostics["interrupted"]`` set. Raises PylmcError for bad arguments, an unusable device, or a scene without light.

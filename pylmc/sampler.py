@@ -7,8 +7,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -17,94 +16,15 @@ from .compiled import compile_scene
 from .device_scene import DeviceScene
 from .errors import PylmcError
 from .evenness import GRID, even_weights
+from .groups import Group
 from .scene import Scene
 from .settings import Settings, check_precision
+from .states import Counters, States
 
-ENDINGS = ("connect", "hit")
 STEPS_PER_LAUNCH = 32
 CANDIDATES_PER_LAUNCH = 1 << 17
 PILOT_FROM = 1 << 31  # numbers of the pilot's paths, beyond those of any start's candidates
 FILM_SCALE = 2.0**24  # of film.cl
-
-
-@dataclass
-class Group:
-    """The paths of one length (segments) and ending, with their own normalisation b; chains ``first : first + chains``.
-
-    ``log_weights`` (n,) and ``positions`` on the film (n, 2) are those of the start's candidates. ``weight_sum`` and
-    ``weight_square_sum`` add I / p_ind over ``weighed`` independent paths, so b is their mean.
-    """
-
-    length: int
-    ending: int
-    slot: int
-    log_weights: np.ndarray
-    positions: np.ndarray
-    weighed: int = 0
-    weight_sum: float = 0.0
-    weight_square_sum: float = 0.0
-    first: int = 0
-    chains: int = 0
-    steps: int = 0
-
-    def settle(self) -> None:
-        """Set the sums from the candidates' weights."""
-        weights = np.exp(self.log_weights)
-        self.weight_sum, self.weight_square_sum = float(weights.sum()), float((weights**2).sum())
-
-    @property
-    def name(self) -> str:
-        """As shown to people: length and ending."""
-        return f"{self.length} {ENDINGS[self.ending]}"
-
-    @property
-    def b(self) -> float:
-        """The integral of the target over this group, in scaled units."""
-        return self.weight_sum / max(self.weighed, 1)
-
-    @property
-    def b_error(self) -> float:
-        """Standard error of b."""
-        n = max(self.weighed, 2)
-        return float(np.sqrt(max(self.weight_square_sum / n - self.b**2, 0) / n))
-
-
-class States(NamedTuple):
-    """The chains as arrays, chains first. K is the greatest path length; entries beyond a path's own are NaN (or -1).
-
-    length, ending (chains,): segments, 0 connect or 1 hit. v_1 (chains, 3). nodes x_1 … x_K (chains, K, 3), in scene
-    units; directions v_1 … v_K (chains, K, 3). deviations Ω_i (chains, K, 2): of v_{i+1} from the lobe's reference
-    direction at x_i. lobes (chains, K): 0 diffuse, 1 reflection, 2 dielectric reflection, 3 refraction. kinds
-    (chains, K): each free direction's chart: 0 projection, 1 deviation, 2 next node, 3 + i aperture i. log_pi: log of the
-    target I in scaled units; log_p: log of the independent sampler's density. factors L (chains, 2 K, 2 K): Q = L Lᵀ.
-    gradients (chains, 2 K): of the log density in the charts' coordinates, where drift is on.
-    """
-
-    length: np.ndarray
-    ending: np.ndarray
-    v_1: np.ndarray
-    nodes: np.ndarray
-    directions: np.ndarray
-    deviations: np.ndarray
-    lobes: np.ndarray
-    kinds: np.ndarray
-    log_pi: np.ndarray
-    log_p: np.ndarray
-    factors: np.ndarray
-    gradients: np.ndarray
-
-
-class Counters(NamedTuple):
-    """What the chains counted since the last call: chains first, then column 0 the large step, column m the block of m.
-
-    trace (chains, 2): where on the film (x to the right, y down, 0 to 1) each chain is now.
-    """
-
-    proposed: np.ndarray
-    acceptance: np.ndarray
-    trace: np.ndarray
-    not_finite: int
-    rays: int
 
 
 class Sampler:

@@ -192,11 +192,6 @@ class Aperture:
         object.__setattr__(self, "axis", axis / np.linalg.norm(axis))
         object.__setattr__(self, "half_size", (float(half[0]), float(half[1])))
 
-    @property
-    def bitangent(self) -> np.ndarray:
-        """The second in-plane unit vector, normal × axis."""
-        return np.cross(self.normal, self.axis)
-
 
 @dataclass(frozen=True, eq=False)
 class Scene:

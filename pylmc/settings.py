@@ -16,6 +16,7 @@ PROJECTIONS = ("normalise", "orthographic")
 INTEGRATORS = ("lmc", "bdpt", "path")
 PRECISIONS = ("single", "mixed", "double")
 MAX_DEPTH = 32
+DEFAULT_SECONDS = 60.0  # of a render that is given neither time nor mutations
 
 
 @dataclass(frozen=True)

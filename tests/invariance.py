@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from pylmc.sampler import Sampler, States
+from pylmc.sampler import Sampler
 from pylmc.scene import Scene
+from pylmc.states import States
 
 CELLS = 6  # film cells per side
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from test_independent import ALPHA, bdpt_batches, same_means, scene_of, sidak
 
-from pylmc.sampler import ENDINGS, Sampler
+from pylmc.groups import ENDINGS
+from pylmc.sampler import Sampler
 from pylmc.statistics import LUMINANCE
 
 SCENES = ("box", "keyhole", "caustic", "glints")

@@ -28,8 +28,9 @@ from scipy import stats
 from scipy.ndimage import uniform_filter
 
 import pylmc
+from pylmc.groups import ENDINGS
 from pylmc.integrators.bdpt import Bidirectional
-from pylmc.sampler import ENDINGS, FILM_SCALE, STEPS_PER_LAUNCH, Sampler
+from pylmc.sampler import FILM_SCALE, STEPS_PER_LAUNCH, Sampler
 from pylmc.scene import Scene
 from pylmc.statistics import LUMINANCE
 

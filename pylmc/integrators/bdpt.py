@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pyopencl as cl
 
-from ..sampler import FILM_SCALE, STEPS_PER_LAUNCH, Group, Sampler
+from ..groups import Group
+from ..sampler import FILM_SCALE, STEPS_PER_LAUNCH, Sampler
 from ..statistics import LUMINANCE, BatchMeans
 
 STREAMS_CPU, STREAMS_GPU = 4096, 65536

@@ -1,0 +1,45 @@
+"""What a Sampler hands out: its chains as arrays, and what they counted."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class States(NamedTuple):
+    """The chains as arrays, chains first. K is the greatest path length; entries beyond a path's own are NaN (or -1).
+
+    length, ending (chains,): segments, 0 connect or 1 hit. v_1 (chains, 3). nodes x_1 … x_K (chains, K, 3), in scene
+    units; directions v_1 … v_K (chains, K, 3). deviations Ω_i (chains, K, 2): of v_{i+1} from the lobe's reference
+    direction at x_i. lobes (chains, K): 0 diffuse, 1 reflection, 2 dielectric reflection, 3 refraction. kinds
+    (chains, K): each free direction's chart: 0 projection, 1 deviation, 2 next node, 3 + i aperture i. log_pi: log of the
+    target I in scaled units; log_p: log of the independent sampler's density. factors L (chains, 2 K, 2 K): Q = L Lᵀ.
+    gradients (chains, 2 K): of the log density in the charts' coordinates, where drift is on.
+    """
+
+    length: np.ndarray
+    ending: np.ndarray
+    v_1: np.ndarray
+    nodes: np.ndarray
+    directions: np.ndarray
+    deviations: np.ndarray
+    lobes: np.ndarray
+    kinds: np.ndarray
+    log_pi: np.ndarray
+    log_p: np.ndarray
+    factors: np.ndarray
+    gradients: np.ndarray
+
+
+class Counters(NamedTuple):
+    """What the chains counted since the last call: chains first, then column 0 the large step, column m the block of m.
+
+    trace (chains, 2): where on the film (x to the right, y down, 0 to 1) each chain is now.
+    """
+
+    proposed: np.ndarray
+    acceptance: np.ndarray
+    trace: np.ndarray
+    not_finite: int
+    rays: int
