@@ -21,16 +21,15 @@ import platform
 import signal
 import subprocess
 import sys
-import sysconfig
 import tempfile
 import time
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .errors import PylmcError
+from .implementations import Implementation, implementations, path_with, resolve
 
 if TYPE_CHECKING:
     import pyopencl
@@ -77,22 +76,12 @@ class Rejected:
 
 
 @dataclass(frozen=True)
-class _Implementation:
-    """What the ICD loader is to open. ``library`` is empty where the system's own loader finds it (macOS, Windows)."""
-
-    label: str
-    library: str
-    preload: tuple[str, ...] = ()  # libraries that it needs and the dynamic linker would not find
-    path: str = ""  # a folder with programs that it needs, appended to PATH
-
-
-@dataclass(frozen=True)
 class _Survey:
     """Everything known about the machine's OpenCL. ``loadable``: implementations that survive being opened."""
 
     usable: tuple[DeviceInfo, ...]
     rejected: tuple[Rejected, ...]
-    loadable: tuple[_Implementation, ...]
+    loadable: tuple[Implementation, ...]
 
 
 def usable() -> list[DeviceInfo]:
@@ -209,7 +198,7 @@ def _load_implementations() -> None:
     if not chosen:
         return
     for implementation in chosen:
-        os.environ["PATH"] = _path_with(implementation)
+        os.environ["PATH"] = path_with(implementation)
         for library in implementation.preload:
             ctypes.CDLL(library)
     before = os.environ.get("OCL_ICD_VENDORS")
@@ -227,85 +216,6 @@ def _load_implementations() -> None:
                 os.environ["OCL_ICD_VENDORS"] = before
 
 
-def _path_with(implementation: _Implementation) -> str:
-    """PATH with the implementation's own programs last, so that they never replace the system's."""
-    folders = os.environ.get("PATH", os.defpath).split(os.pathsep)
-    if implementation.path and implementation.path not in folders:
-        folders.append(implementation.path)
-    return os.pathsep.join(folders)
-
-
-# --- finding implementations ------------------------------------------------------------------------------------------
-
-
-def _implementations() -> list[_Implementation]:
-    """Every implementation that this machine may have, in no order of merit."""
-    if not sys.platform.startswith("linux"):
-        return [_Implementation("the system's OpenCL", "")]
-    given = os.environ.get("OCL_ICD_VENDORS")
-    if given:
-        path = Path(given)
-        if path.is_dir():
-            return list(_from_icd_files(path))
-        if path.suffix == ".icd":
-            return [_Implementation(given, _first_line(path))]
-        return [_Implementation(given, given)]
-    found = list(_from_icd_files(Path("/etc/OpenCL/vendors")))
-    # PyPI packages may leave .icd files here that point nowhere; conda's are good.
-    found += [i for i in _from_icd_files(Path(sys.prefix, "etc/OpenCL/vendors")) if Path(i.library).is_file()]
-    names = " ".join(implementation.library for implementation in found).lower()
-    if "pocl" not in names:
-        found += _unpacked()
-    if "intelocl" not in names:
-        library = Path(sys.prefix, "lib/libintelocl.so")
-        found += [_Implementation(str(library), str(library))] * library.is_file()
-    if "nvidia" not in names:
-        library_found = _resolve("libnvidia-opencl.so.1")
-        found += [_Implementation(library_found, library_found)] if "/" in library_found else []
-    return found
-
-
-def _from_icd_files(folder: Path) -> Iterator[_Implementation]:
-    for file in sorted(folder.glob("*.icd")):
-        yield _Implementation(str(file), _first_line(file))
-
-
-def _first_line(file: Path) -> str:
-    try:
-        lines = file.read_text(errors="replace").splitlines()
-    except OSError:
-        lines = []
-    return lines[0].strip() if lines else ""
-
-
-def _unpacked() -> list[_Implementation]:
-    """PoCL as tools/setup.py unpacked it without root: described by ``implementation.json`` in its folder."""
-    folder = Path(os.environ.get("PYLMC_OPENCL") or Path(__file__).resolve().parents[1] / ".opencl").absolute()
-    try:
-        description = json.loads((folder / "implementation.json").read_text())
-        # Paths are relative to the folder, so that a checkout can be moved.
-        return [
-            _Implementation(
-                str(folder),
-                str(folder / description["library"]),
-                tuple(str(folder / library) for library in description["preload"]),
-                str(folder / description["path"]) if "path" in description else "",
-            )
-        ]
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        return []
-
-
-def _resolve(library: str) -> str:
-    """The path of ``library`` where the dynamic linker would look, else its bare name."""
-    if "/" in library:
-        return library
-    folders = os.environ.get("LD_LIBRARY_PATH", "").split(":")
-    folders += [f"/usr/lib/{sysconfig.get_config_var('MULTIARCH')}", "/usr/lib64", "/usr/lib", "/usr/local/lib"]
-    folders += ["/usr/local/nvidia/lib64", "/usr/lib/wsl/lib"]
-    return next((f"{folder}/{library}" for folder in folders if folder and Path(folder, library).is_file()), library)
-
-
 # --- trying them ------------------------------------------------------------------------------------------------------
 
 
@@ -315,8 +225,8 @@ def _survey() -> _Survey:
     cache: dict[str, Any] = {}
     devices: list[DeviceInfo] = []
     failures: list[Rejected] = []
-    loadable: list[_Implementation] = []
-    for implementation in _implementations():
+    loadable: list[Implementation] = []
+    for implementation in implementations():
         key = _fingerprint(implementation)
         result = remembered.get(key)
         if result is None:
@@ -338,7 +248,7 @@ def _merit(device: DeviceInfo) -> tuple[int, int]:
     return kind, 0 if kind == 0 or "portable computing language" in maker else 1 if "intel" in maker else 2
 
 
-def _try(implementation: _Implementation) -> dict[str, list[dict[str, Any]]]:
+def _try(implementation: Implementation) -> dict[str, list[dict[str, Any]]]:
     """List the implementation's devices and run a kernel on each, in as many processes as it brings down."""
     good: list[dict[str, Any]] = []
     bad: list[dict[str, Any]] = []
@@ -369,7 +279,7 @@ def _try(implementation: _Implementation) -> dict[str, list[dict[str, Any]]]:
     return {"usable": good, "rejected": bad}
 
 
-def _why_not_opened(implementation: _Implementation) -> str:
+def _why_not_opened(implementation: Implementation) -> str:
     library = implementation.library
     if implementation.label.endswith(".icd") and not library:
         return "the .icd file is empty or cannot be read; it should name a library"
@@ -378,10 +288,10 @@ def _why_not_opened(implementation: _Implementation) -> str:
     return f"the OpenCL loader could not open {library or 'any implementation'}"
 
 
-def _run_probe(implementation: _Implementation, first: int) -> tuple[list[dict[str, Any]], str | None]:
+def _run_probe(implementation: Implementation, first: int) -> tuple[list[dict[str, Any]], str | None]:
     """What the probe printed, and how its process failed (None if it ended well)."""
     # A kernel out of a cache would prove nothing about the compiler.
-    environ = {**os.environ, "PATH": _path_with(implementation), "POCL_KERNEL_CACHE": "0", "PYOPENCL_NO_CACHE": "1"}
+    environ = {**os.environ, "PATH": path_with(implementation), "POCL_KERNEL_CACHE": "0", "PYOPENCL_NO_CACHE": "1"}
     command = [sys.executable, "-P", str(Path(__file__).with_name("_probe.py")), str(first), *implementation.preload]
     # Files, not pipes: a driver's helper that outlives the probe would keep a pipe open.
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err, tempfile.TemporaryDirectory() as vendors:
@@ -447,11 +357,11 @@ def _cache_file() -> Path:
     return Path(home, "pylmc", "devices.json")
 
 
-def _fingerprint(implementation: _Implementation) -> str:
+def _fingerprint(implementation: Implementation) -> str:
     """Changes whenever the driver, the machine, or a setting that drivers look at does."""
     facts: list[Any] = [asdict(implementation), version("pyopencl"), platform.node(), platform.release()]
     facts.append(Path(__file__).with_name("_probe.py").read_text())
-    for file in (_resolve(implementation.library), *implementation.preload):
+    for file in (resolve(implementation.library), *implementation.preload):
         with contextlib.suppress(OSError):
             state = os.stat(file)
             facts.append((os.path.realpath(file), state.st_size, state.st_mtime_ns))

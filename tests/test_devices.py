@@ -10,7 +10,7 @@ import numpy as np
 import pyopencl as cl
 import pytest
 
-from pylmc import PylmcError, devices
+from pylmc import PylmcError, devices, implementations
 from pylmc.devices import DeviceInfo
 
 
@@ -152,11 +152,11 @@ def test_results_are_remembered_until_the_driver_changes(monkeypatch: pytest.Mon
 
 def test_unpacked_implementation_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("PYLMC_OPENCL", str(tmp_path))
-    assert devices._unpacked() == []
+    assert implementations._unpacked() == []
     (tmp_path / "implementation.json").write_text('{"library": "l/libpocl.so.2", "preload": ["l/a.so"], "path": "bin"}')
-    (found,) = devices._unpacked()
+    (found,) = implementations._unpacked()
     assert found.library == f"{tmp_path}/l/libpocl.so.2" and found.preload == (f"{tmp_path}/l/a.so",)
     monkeypatch.setenv("PATH", "/usr/bin")
     assert devices._path_with(found) == f"/usr/bin:{tmp_path}/bin"
     (tmp_path / "implementation.json").write_text("{")
-    assert devices._unpacked() == []
+    assert implementations._unpacked() == []
