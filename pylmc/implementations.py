@@ -49,7 +49,7 @@ def implementations() -> list[Implementation]:
     found += [i for i in _from_icd_files(Path(sys.prefix, "etc/OpenCL/vendors")) if Path(i.library).is_file()]
     names = " ".join(implementation.library for implementation in found).lower()
     if "pocl" not in names:
-        found += _unpacked()
+        found += unpacked()
     if "intelocl" not in names:
         library = Path(sys.prefix, "lib/libintelocl.so")
         found += [Implementation(str(library), str(library))] * library.is_file()
@@ -72,7 +72,7 @@ def _first_line(file: Path) -> str:
     return lines[0].strip() if lines else ""
 
 
-def _unpacked() -> list[Implementation]:
+def unpacked() -> list[Implementation]:
     """PoCL as tools/setup.py unpacked it without root: described by ``implementation.json`` in its folder."""
     folder = Path(os.environ.get("PYLMC_OPENCL") or Path(__file__).resolve().parents[1] / ".opencl").absolute()
     try:

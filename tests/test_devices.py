@@ -152,11 +152,11 @@ def test_results_are_remembered_until_the_driver_changes(monkeypatch: pytest.Mon
 
 def test_unpacked_implementation_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("PYLMC_OPENCL", str(tmp_path))
-    assert implementations._unpacked() == []
+    assert implementations.unpacked() == []
     (tmp_path / "implementation.json").write_text('{"library": "l/libpocl.so.2", "preload": ["l/a.so"], "path": "bin"}')
-    (found,) = implementations._unpacked()
+    (found,) = implementations.unpacked()
     assert found.library == f"{tmp_path}/l/libpocl.so.2" and found.preload == (f"{tmp_path}/l/a.so",)
     monkeypatch.setenv("PATH", "/usr/bin")
-    assert devices._path_with(found) == f"/usr/bin:{tmp_path}/bin"
+    assert implementations.path_with(found) == f"/usr/bin:{tmp_path}/bin"
     (tmp_path / "implementation.json").write_text("{")
-    assert implementations._unpacked() == []
+    assert implementations.unpacked() == []
