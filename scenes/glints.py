@@ -13,7 +13,7 @@ from pylmc.scene import Camera, Diffuse, PointLight, RoughConductor, Scene, Shap
 from ._meshes import box, rectangle
 
 
-def build(size: float = 0.02, roughness: float = 0.02, width: int = 256, height: int = 256) -> Scene:
+def build(size: float = 0.06, roughness: float = 0.01, width: int = 256, height: int = 256) -> Scene:
     """``size``: side of the mirror, the walls' being 2; ``roughness``: its GGX alpha."""
     lamp, mirror, spot = np.array([0.3, 1.5, 0.9]), np.array([0.45, 0.7, 0.2]), np.array([-1.0, 1.0, 0.1])
     to_lamp, to_spot = (v / np.linalg.norm(v) for v in (lamp - mirror, spot - mirror))
@@ -23,13 +23,13 @@ def build(size: float = 0.02, roughness: float = 0.02, width: int = 256, height:
     along = np.cross(normal, across)
     corner = mirror - size / 2 * (across + along)
     shapes = [
-        Shape(rectangle((-1, 0, -1), (0, 0, 2), (2, 0, 0)), Diffuse(0.6), name="floor"),
-        Shape(rectangle((-1, 0, -1), (2, 0, 0), (0, 2, 0)), Diffuse((0.5, 0.55, 0.65)), name="back wall"),
+        Shape(rectangle((-1, 0, -1), (0, 0, 2), (2, 0, 0)), Diffuse(0.35), name="floor"),
+        Shape(rectangle((-1, 0, -1), (2, 0, 0), (0, 2, 0)), Diffuse((0.25, 0.3, 0.4)), name="back wall"),
         Shape(rectangle((-1, 0, -1), (0, 2, 0), (0, 0, 2)), Diffuse((0.65, 0.55, 0.45)), name="left wall"),
         Shape(rectangle(tuple(corner), tuple(size * across), tuple(size * along)), RoughConductor(roughness, 0.95),
               name="mirror"),
-        # a shade that keeps the lamp's own light off most of the left wall, where the spot falls
-        Shape(box((-0.1, 1.45, 0.7), (0.02, 1.0, 1.0)), Diffuse(0.1), name="shade"),
+        # a card beside the lamp that keeps its own light off the left wall, where the spot falls
+        Shape(box((0.1, 1.5, 0.9), (0.01, 0.36, 0.36)), Diffuse(0.02), name="shade"),
     ]  # fmt: skip
     camera = Camera((1.9, 1.2, 2.3), (-0.35, 0.7, -0.3), fov=42, width=width, height=height)
     return Scene(camera, shapes, [PointLight(tuple(lamp), 1.0)])

@@ -46,9 +46,10 @@ def test_target_coordinates(scene: str, chart: str, rule: str) -> None:
 
 
 @pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("rule", ["sum", "mean", "rms"])
 @pytest.mark.parametrize("chart", ["equal-area", "orthographic"])
-def test_deviation_coordinates(scene: str, chart: str) -> None:
-    check(SCENES[scene], chart=chart, coordinates="deviation")
+def test_deviation_coordinates(scene: str, chart: str, rule: str) -> None:
+    check(SCENES[scene], chart=chart, rule=rule, coordinates="deviation")
 
 
 @pytest.mark.parametrize("coordinates", ["target", "deviation"])
