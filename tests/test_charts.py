@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oracle.lobes import DIELECTRIC_REFLECT, DIFFUSE, REFLECT, TRANSMIT
+from oracle.vectors import Array, dot, unit
 from probes import build_probe
-from reference import DIELECTRIC_REFLECT, DIFFUSE, REFLECT, TRANSMIT, Array, dot, unit
 
 from pylmc.compiled import compile_scene
 from pylmc.device_scene import DeviceScene

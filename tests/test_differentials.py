@@ -1,7 +1,7 @@
-"""The factor L and the drift's gradient against float64 central differences of whole displaced paths.
+"""The factor L and the drift's gradient against the oracle's derivatives of whole displaced paths.
 
 Tangents cannot be read from the kernels, but L Lᵀ is the sum of the constraints' rows, each a tangent over a width.
-Here every row is a difference quotient of the function that it bounds (tests/reference.py) and the rows meet in
+Here every row is the derivative of the function that it bounds (tests/oracle) and the rows meet in
 pylmc.preconditioner.combine.
 """
 
@@ -11,7 +11,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from reference import TRANSMIT, Charts, Paths, World, any_tangent, dot, log_density, preconditioner, read_paths
+from oracle.chains import read_paths
+from oracle.charts import Charts
+from oracle.constraints import preconditioner
+from oracle.displaced import displaced
+from oracle.lobes import TRANSMIT
+from oracle.paths import Paths, surface
+from oracle.scene import World
+from oracle.tangents import Tangents
+from oracle.vectors import any_tangent, dot
 
 import pylmc
 from pylmc.preconditioner import proposal_factor
@@ -49,10 +57,10 @@ def near_total_reflection(world: World, paths: Paths, m: int) -> np.ndarray:
     """Whether a refraction within or after the block is at the critical angle, where its reference has a kink."""
     out = np.zeros(len(paths.light), bool)
     for i in range(1, min(m + 2, paths.length)):
-        surface = world.surface(paths, i)
+        here = surface(world, paths, i)
         v = paths.v[:, i]
-        sine2 = (1 - dot(surface.ns, v) ** 2) / surface.index_ratio(-v) ** 2
-        out |= (surface.lobe == TRANSMIT) & (np.abs(sine2 - 1) < 0.02)
+        sine2 = (1 - dot(here.ns, v) ** 2) / here.index_ratio(-v) ** 2
+        out |= (here.lobe == TRANSMIT) & (np.abs(sine2 - 1) < 0.02)
     return out
 
 
@@ -62,7 +70,6 @@ def test_factor_and_gradient_match_differences_of_paths(case: Case) -> None:
     sampler = Sampler(scene, max_depth=case.depth, drift=True, even=False, **case.settings)
     sampler.init(3, chains=200, candidates=1 << 15)
     world = World(sampler.compiled)
-    chart, target = sampler.settings.chart, case.settings["coordinates"] == "target"
     compared: dict[str, list[np.ndarray]] = {"Q": [], "log det T": [], "gradient": []}
     paths_seen = lengths_seen = excluded = 0
     every = {block: sampler.states(block) for block in case.blocks}
@@ -73,12 +80,13 @@ def test_factor_and_gradient_match_differences_of_paths(case: Case) -> None:
             if m > paths.free:
                 continue
             frame = any_tangent(states.v_1[which].astype(float))
-            kinds = Charts(world, paths, m, target, chart, frame).kinds
+            kinds = Charts(world, paths, m, sampler.settings, frame).kinds
             assert np.array_equal(kinds[:, 1:], states.kinds[which][:, :m])
             keep = ~near_total_reflection(world, paths, m)
             paths_seen, excluded = paths_seen + len(keep), excluded + int((~keep).sum())
-            charts = Charts(world, paths.take(keep), m, target, chart, frame[keep])
-            q = preconditioner(charts, sampler.settings.rule)
+            charts = Charts(world, paths.take(keep), m, sampler.settings, frame[keep])
+            tangents = Tangents(charts)
+            q = preconditioner(charts, tangents)
             t, log_det_t = proposal_factor(q)
             factor = states.factors[which][keep][:, : 2 * m, : 2 * m].astype(float)
             assert np.all(np.triu(factor, 1) == 0)
@@ -89,8 +97,7 @@ def test_factor_and_gradient_match_differences_of_paths(case: Case) -> None:
             diagonal = np.einsum("nii->ni", factor)
             compared["log det T"].append(np.abs(-np.log(diagonal).sum(axis=1) - log_det_t))
             # the gradient as the drift uses it, Tᵀ g, over its own size where that exceeds one
-            slope = charts.difference(lambda moved, charts=charts: log_density(charts, moved), 1e-5)
-            expected = np.einsum("nij,ni->nj", t, slope)
+            expected = np.einsum("nij,ni->nj", t, tangents.gradient())
             gradient = np.einsum("nij,ni->nj", t, states.gradients[which][keep][:, : 2 * m].astype(float))
             size = 1 + np.abs(expected).max(axis=1)
             compared["gradient"].append(np.abs(gradient - expected).max(axis=1) / size)
@@ -118,8 +125,8 @@ def test_displaced_paths_follow_the_charts() -> None:
     checked = 0
     for which, paths in read_paths(sampler, world).values():
         m = paths.free
-        charts = Charts(world, paths, m, True, "equal-area", any_tangent(states.v_1[which].astype(float)))
-        moved = charts.moved(deltas[which][:, : 2 * m]).paths
+        charts = Charts(world, paths, m, sampler.settings, any_tangent(states.v_1[which].astype(float)))
+        moved = displaced(charts, deltas[which][:, : 2 * m]).paths
         expected = moved.x[:, 1:]
         # the reference stays on the old triangles' planes: compare where the traced path did not change plane
         error = np.abs(nodes[which][:, : paths.length] - expected).max(axis=(1, 2))

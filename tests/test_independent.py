@@ -9,21 +9,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oracle.chains import read_paths, world_of, write_paths
+from oracle.independent import log_p as oracle_log_p
+from oracle.integrand import film_weight_at
+from oracle.integrand import log_pi as oracle_log_pi
+from oracle.lobes import DIELECTRIC_REFLECT, DIFFUSE, REFLECT, TRANSMIT
+from oracle.paths import CONNECT, Paths, paths_through
+from oracle.scene import World
+from oracle.vectors import dot
 from probes import edited_source, textured_scene
-from reference import (
-    CONNECT,
-    DIELECTRIC_REFLECT,
-    DIFFUSE,
-    REFLECT,
-    TRANSMIT,
-    Paths,
-    World,
-    dot,
-    film_weight_at,
-    read_paths,
-    world_of,
-    write_paths,
-)
 from scipy import stats
 from scipy.ndimage import uniform_filter
 
@@ -75,7 +69,7 @@ def arbitrary_paths(world: World, length: int, ending: int, n: int, rng: np.rand
     glossy = rng.random((n, length)) >= material["choose_diffuse"]
     dielectric = np.where(rng.random((n, length)) < 0.5, TRANSMIT, DIELECTRIC_REFLECT)
     lobe = np.where(glossy, np.where(material["ior"] > 0, dielectric, REFLECT), DIFFUSE)
-    paths = world.paths(length, ending, light, triangle, weights, lobe)
+    paths = paths_through(world, length, ending, light, triangle, weights, lobe)
     # the dielectric's lobe is the one that the directions say
     for i in range(1, length):
         through = dot(paths.ng[:, i], paths.v[:, i]) * dot(paths.ng[:, i], paths.v[:, i + 1]) > 0
@@ -115,7 +109,7 @@ def test_densities_of_arbitrary_paths(name: str) -> None:
         # two nodes of one plane may face each other edge-on: no density is asked of such a path
         proper = (least_cosine(paths) > 1e-3) & np.all(paths.t[:, 1:] > 1e-3, axis=1)
         assert not np.any(np.isnan(states.log_p[proper]))
-        log_pi, log_p = world.log_pi(paths), world.log_p(paths)
+        log_pi, log_p = oracle_log_pi(world, paths), oracle_log_p(world, paths)
         good = same_logs(states.log_pi, log_pi, 2e-3) & same_logs(states.log_p, log_p, 2e-3)
         total, wrong = total + int(proper.sum()), wrong + int((proper & ~good).sum())
         lit += int((proper & np.isfinite(log_pi)).sum())
@@ -136,8 +130,8 @@ def test_densities_of_likely_paths(name: str) -> None:
         # a node's rounding turns directions by 1e-7 / t, which a grazing angle or a narrow lobe makes worse: a hundred
         # of those; and the film weight's slope, ten over one of its 64 cells, times the rounding of the film position
         bound = 1e-4 + 1e-5 / (alpha * paths.t[:, 1:].min(axis=1) * least_cosine(paths))
-        assert np.all(np.abs(states.log_pi[which] - world.log_pi(paths)) < bound)
-        assert np.all(np.abs(states.log_p[which] - world.log_p(paths)) < bound)
+        assert np.all(np.abs(states.log_pi[which] - oracle_log_pi(world, paths)) < bound)
+        assert np.all(np.abs(states.log_p[which] - oracle_log_p(world, paths)) < bound)
         sample = slice(0, 25)
         for i in range(1, paths.length + 1):
             x, v = paths.x[sample, i - 1], paths.v[sample, i]

@@ -11,24 +11,19 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from probes import build_probe
-from reference import (
+from oracle.lobes import (
     DIELECTRIC_REFLECT,
     DIFFUSE,
     REFLECT,
     TRANSMIT,
-    Array,
     Surface,
-    dot,
-    fresnel,
-    ggx_d_at,
     half_vectors,
     lobe_density,
     lobe_value,
-    mirror,
-    smith_lambda,
-    unit,
 )
+from oracle.microfacet import fresnel, ggx_d_at, smith_lambda
+from oracle.vectors import Array, dot, mirror, unit
+from probes import build_probe
 from scipy import stats
 
 from pylmc.compiled import CompiledScene, compile_scene

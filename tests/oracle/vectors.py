@@ -1,0 +1,45 @@
+"""Vectors over the last axis; all but any_tangent let complex steps through."""
+
+from __future__ import annotations
+
+import numpy as np
+
+Array = np.ndarray
+
+
+def dot(a: Array, b: Array) -> Array:
+    """Inner products, without conjugation."""
+    return np.einsum("...i,...i->...", a, b)
+
+
+def norm(a: Array) -> Array:
+    """Lengths."""
+    return np.sqrt(dot(a, a))
+
+
+def unit(a: Array) -> Array:
+    """Normalised."""
+    return a / np.maximum(norm(a), 1e-300)[..., None]
+
+
+def magnitude(a: Array) -> Array:
+    """|a| of numbers, smooth away from zero."""
+    return np.where(a.real < 0, -a, a)
+
+
+def mirror(v: Array, n: Array) -> Array:
+    """v reflected about the plane across n."""
+    return v - 2 * dot(v, n)[..., None] * n
+
+
+def turn_minimally(u: Array, a: Array, b: Array) -> Array:
+    """u turned by the rotation about a × b that takes a to b (Rodrigues' formula; any u, not only one across a)."""
+    axis, cosine = np.cross(a, b), dot(a, b)[..., None]
+    return cosine * u + np.cross(axis, u) + axis * dot(axis, u)[..., None] / (1 + cosine)
+
+
+def any_tangent(n: Array) -> Array:
+    """The kernels' convention for a tangent of n (Duff et al. 2017)."""
+    s = np.copysign(1.0, n[..., 2])
+    a = -1 / (s + n[..., 2])
+    return np.stack([1 + s * n[..., 0] ** 2 * a, s * n[..., 0] * n[..., 1] * a, -s * n[..., 0]], axis=-1)
