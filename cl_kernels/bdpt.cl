@@ -18,12 +18,12 @@ PATH_KERNEL void render_independent(SCENE_PARAMETERS, uint seed, ulong first_ste
         if (!sample_path(&scene, group.length, group.ending, &rng, &path)) continue;
         Radiance radiance = integrand(&scene, &path);
         if (!(radiance.log_i > LOG_ZERO)) continue;
-        float weight = exp(radiance.log_i - log_independent_density(&scene, &path));
+        real weight = exp(radiance.log_i - log_independent_density(&scene, &path));
         if (!isfinite(weight)) {
             counters[index].not_finite++;
             continue;
         }
-        counters[index].acceptance[0] += 1.0f;
+        counters[index].acceptance[0] += 1.0;
         film_add(film, slot + pixel_of(&scene, path.vertex[1].v), group.scale * weight * colour_over_target(&radiance));
     }
     counters[index].rays += scene.rays;

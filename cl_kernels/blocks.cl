@@ -18,7 +18,7 @@ bool block_allowed(const Scene *scene, const Path *path, int m) {
 #endif
 }
 
-int choose_block(const Scene *scene, const Path *path, float u) {
+int choose_block(const Scene *scene, const Path *path, real u) {
     int free_count = free_directions(path), allowed = 0;
     for (int m = 1; m <= free_count; m++) allowed += block_allowed(scene, path, m);
     int wanted = min((int)(u * allowed), allowed - 1);

@@ -4,23 +4,23 @@
 
 #define PURPOSE_BOOTSTRAP 0u
 
-float log_path_weight(Scene *scene, uint seed, uint group, uint number, int length, int ending, Path *path, Radiance *radiance, float *log_p) {
+real log_path_weight(Scene *scene, uint seed, uint group, uint number, int length, int ending, Path *path, Radiance *radiance, real *log_p) {
     Rng rng = rng_open(seed, number, group, PURPOSE_BOOTSTRAP);
     if (!sample_path(scene, length, ending, &rng, path)) return LOG_ZERO;
     *radiance = integrand(scene, path);
     *log_p = log_independent_density(scene, path);
-    float weight = radiance->log_i - *log_p;
+    real weight = radiance->log_i - *log_p;
     return isfinite(weight) ? weight : LOG_ZERO;
 }
 
-PATH_KERNEL void weigh_candidates(SCENE_PARAMETERS, uint seed, uint group, int length, int ending, uint first, uint count, __global float *log_weights, __global float *positions) {
+PATH_KERNEL void weigh_candidates(SCENE_PARAMETERS, uint seed, uint group, int length, int ending, uint first, uint count, __global real *log_weights, __global real *positions) {
     uint index = get_global_id(0);
     if (index >= count) return;
     Scene scene = SCENE_BUNDLE;
     Path path;
     Radiance radiance;
-    float log_p;
-    float2 position = (float2)(NAN);
+    real log_p;
+    real2 position = (real2)(NAN);
     log_weights[index] = log_path_weight(&scene, seed, group, first + index, length, ending, &path, &radiance, &log_p);
     if (log_weights[index] > LOG_ZERO) film_position(&scene, path.vertex[1].v, &position);
     vstore2(position, index, positions);
@@ -34,7 +34,7 @@ PATH_KERNEL void start_chains(SCENE_PARAMETERS, uint seed, uint chains, __global
     Radiance radiance;
     ChainStart start = starts[index];
     __global ChainState *state = &states[index];
-    float log_p;
+    real log_p;
     bool found = log_path_weight(&scene, seed, start.group, start.number, start.length, start.ending, &path, &radiance, &log_p) > LOG_ZERO;
     // A compiler may round differently here than in weigh_candidates, so that a path on the edge of existence is not found
     // again: its chain starts dark, and leaves by its first large step.
@@ -43,6 +43,6 @@ PATH_KERNEL void start_chains(SCENE_PARAMETERS, uint seed, uint chains, __global
     store_path(&path, state);
     state->slot = start.slot;
     state->log_i = found ? radiance.log_i : LOG_ZERO;
-    state->log_p = found ? log_p : 0.0f;
-    vstore3(found ? colour_over_target(&radiance) : (float3)(0.0f), 0, state->colour);
+    state->log_p = found ? log_p : 0.0;
+    vstore3(found ? colour_over_target(&radiance) : (real3)(0.0), 0, state->colour);
 }

@@ -16,7 +16,7 @@ void load_path(const Scene *scene, __global const ChainState *state, Path *path)
             place_on_triangle(scene, stored->triangle, stored->bu, stored->bv, vertex);
         } else {
             vertex->x = vec3(scene->points[path->light].position);
-            vertex->ng = (float3)(0.0f);
+            vertex->ng = (real3)(0.0);
             vertex->triangle = -1;
         }
         vertex->v = vec3(stored->v);
@@ -35,8 +35,8 @@ void store_path(const Path *path, __global ChainState *state) {
         bool on_light = path->ending == ENDING_CONNECT && i == path->length;
         vstore3(vertex->v, 0, stored->v);
         stored->t = vertex->t;
-        stored->bu = on_light ? 0.0f : vertex->bu;
-        stored->bv = on_light ? 0.0f : vertex->bv;
+        stored->bu = on_light ? 0.0 : vertex->bu;
+        stored->bv = on_light ? 0.0 : vertex->bv;
         stored->triangle = on_light ? -1 : vertex->triangle;
         stored->lobe = vertex->lobe;
     }

@@ -16,20 +16,20 @@ PATH_KERNEL void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int s
     Path paths[2];
     int now = 0;
     load_path(&scene, state, &paths[0]);
-    float log_i = state->log_i, log_p = state->log_p;
-    float3 colour = vec3(state->colour);
+    real log_i = state->log_i, log_p = state->log_p;
+    real3 colour = vec3(state->colour);
     int pixel = max(pixel_of(&scene, paths[0].vertex[1].v), 0);  // a chain that starts dark has none
     size_t slot = (size_t)state->slot * film_pixels;
-    float weight_sum = 0.0f, weight_square_sum = 0.0f;
+    real weight_sum = 0.0, weight_square_sum = 0.0;
 
     for (int step = 0; step < steps; step++) {
         Rng rng = rng_open(seed, index, first_step + step, PURPOSE_CHAIN);
         Path *x = &paths[now], *y = &paths[1 - now];
         Radiance radiance;
-        float log_acceptance = -INFINITY, log_p_new = NAN;
+        real log_acceptance = -INFINITY, log_p_new = NAN;
         int move = 0;
         if (rng_uniform(&rng) < p_large || !(log_i > LOG_ZERO)) {
-            float weight = 0.0f;
+            real weight = 0.0;
             if (sample_path(&scene, x->length, x->ending, &rng, y)) {
                 radiance = integrand(&scene, y);
                 log_p_new = log_independent_density(&scene, y);
@@ -45,16 +45,16 @@ PATH_KERNEL void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int s
             weight_square_sum += weight * weight;
         } else {
             move = choose_block(&scene, x, rng_uniform(&rng));
-            float h = exp(mix(log_h_min, log_h_max, rng_uniform(&rng))), log_ratio;
+            real h = exp(log_h_min + (log_h_max - log_h_min) * rng_uniform(&rng)), log_ratio;
             int outcome = propose_small(&scene, x, move, h, &rng, y, &radiance, &log_ratio);
             if (outcome == STEP_OK) log_acceptance = radiance.log_i - log_i + log_ratio;
             if (outcome == STEP_NOT_FINITE) count->not_finite++;
         }
         count->proposed[move]++;
-        float acceptance = exp(fmin(log_acceptance, 0.0f));
-        if (acceptance < 1.0f) film_add(film, slot + pixel, (1.0f - acceptance) * colour);
-        if (acceptance > 0.0f) {
-            float3 colour_new = colour_over_target(&radiance);
+        real acceptance = exp(fmin(log_acceptance, 0.0));
+        if (acceptance < 1.0) film_add(film, slot + pixel, (1.0 - acceptance) * colour);
+        if (acceptance > 0.0) {
+            real3 colour_new = colour_over_target(&radiance);
             int pixel_new = pixel_of(&scene, y->vertex[1].v);
             film_add(film, slot + pixel_new, acceptance * colour_new);
             count->acceptance[move] += acceptance;
@@ -74,7 +74,7 @@ PATH_KERNEL void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int s
     count->weight_sum += weight_sum;
     count->weight_square_sum += weight_square_sum;
     count->rays += scene.rays;
-    float2 position;  // where on the film the chain is now: the trace behind ESS and R-hat
+    real2 position;  // where on the film the chain is now: the trace behind ESS and R-hat
     film_position(&scene, paths[now].vertex[1].v, &position);
     vstore2(position, 0, count->trace);
 }

@@ -20,13 +20,13 @@
 
 typedef struct {
     int kind;
-    float3 anchor;   // c; or the reference direction s; or v_1
-    float3 e1, e2;   // the plane's axes; or p, q
-    float3 normal;   // of the plane
-    float2 omega;    // the deviation as it is
+    real3 anchor;   // c; or the reference direction s; or v_1
+    real3 e1, e2;   // the plane's axes; or p, q
+    real3 normal;   // of the plane
+    real2 omega;    // the deviation as it is
 } Chart;
 
-int direction_kind(const Scene *scene, const Path *path, int j, float3 x, float3 *crossing) {
+int direction_kind(const Scene *scene, const Path *path, int j, real3 x, real3 *crossing) {
 #if COORDINATES_TARGET
     if (j > 1 && is_narrow(scene, &path->vertex[j - 1])) return KIND_DEVIATION;
     int aperture = aperture_crossed(scene, x, path->vertex[j].v, path->vertex[j].t, crossing);
@@ -37,14 +37,14 @@ int direction_kind(const Scene *scene, const Path *path, int j, float3 x, float3
 }
 
 // The charts of directions 1 .. m. p is the frame at v_1. False where a direction is out of its own chart's reach.
-bool charts_of_path(const Scene *scene, const Path *path, int m, float3 p, Chart *charts) {
-    float3 x = vec3(scene->camera->origin);
+bool charts_of_path(const Scene *scene, const Path *path, int m, real3 p, Chart *charts) {
+    real3 x = vec3(scene->camera->origin);
     for (int j = 1; j <= m; j++) {
         Chart *chart = &charts[j];
         const Vertex *next = &path->vertex[j];
-        float3 crossing;
+        real3 crossing;
         chart->kind = direction_kind(scene, path, j, x, &crossing);
-        float3 s;
+        real3 s;
 #if HAS_DEVIATION
         if (j > 1) {
             const Vertex *here = &path->vertex[j - 1];
@@ -85,62 +85,62 @@ bool charts_of_path(const Scene *scene, const Path *path, int m, float3 p, Chart
 
 // The direction that delta leads to from the moved node x. s and p: the reference direction and frame there.
 // log_jacobian: log dsigma(v)/ddelta.
-bool chart_direction(const Chart *chart, float2 delta, float3 x, float3 s, float3 p, float3 *v, float *log_jacobian) {
+bool chart_direction(const Chart *chart, real2 delta, real3 x, real3 s, real3 p, real3 *v, real *log_jacobian) {
     if (chart->kind == KIND_DEVIATION) {
-        float2 omega = chart->omega + delta;
+        real2 omega = chart->omega + delta;
         *log_jacobian = deviation_log_jacobian(omega);
         return deviation_direction(omega, s, p, v);
     }
-    float3 offset = delta.x * chart->e1 + delta.y * chart->e2;
+    real3 offset = delta.x * chart->e1 + delta.y * chart->e2;
     if (chart->kind == KIND_PROJECTION) {
 #if PROJECTION == PROJECTION_NORMALISE
         *v = normalize(chart->anchor + offset);
-        *log_jacobian = 3.0f * log(dot(*v, chart->anchor));
+        *log_jacobian = 3.0 * log(dot(*v, chart->anchor));
         return true;
 #else
-        float across2 = dot(delta, delta);
-        if (across2 >= 1.0f) return false;
-        float cosine = sqrt(1.0f - across2);
+        real across2 = dot(delta, delta);
+        if (across2 >= 1.0) return false;
+        real cosine = sqrt(1.0 - across2);
         *v = normalize(cosine * chart->anchor + offset);
         *log_jacobian = -log(cosine);
         return true;
 #endif
     }
-    float3 towards = chart->anchor + offset - x;
-    float distance2 = length2(towards);
+    real3 towards = chart->anchor + offset - x;
+    real distance2 = length2(towards);
     *v = towards * rsqrt(distance2);
-    float cosine = fabs(dot(chart->normal, *v));
+    real cosine = fabs(dot(chart->normal, *v));
     *log_jacobian = log(cosine / distance2);
-    return cosine > 0.0f && distance2 > 0.0f;
+    return cosine > 0.0 && distance2 > 0.0;
 }
 
 // The inverse of chart_direction: the delta that leads from the chart's own path to the direction v that leaves x and, for
 // a deviation, has deviation omega in the aligned frame.
-bool chart_delta(const Chart *chart, float3 x, float3 v, float2 omega, float2 *delta, float *log_jacobian) {
+bool chart_delta(const Chart *chart, real3 x, real3 v, real2 omega, real2 *delta, real *log_jacobian) {
     if (chart->kind == KIND_DEVIATION) {
         *delta = omega - chart->omega;
         *log_jacobian = deviation_log_jacobian(omega);
         return true;
     }
-    float3 offset;
+    real3 offset;
     if (chart->kind == KIND_PROJECTION) {
-        float cosine = dot(v, chart->anchor);
-        if (cosine <= 0.0f) return false;
+        real cosine = dot(v, chart->anchor);
+        if (cosine <= 0.0) return false;
 #if PROJECTION == PROJECTION_NORMALISE
         offset = v / cosine - chart->anchor;  // eq. (6)
-        *log_jacobian = 3.0f * log(cosine);
+        *log_jacobian = 3.0 * log(cosine);
 #else
         offset = v;
         *log_jacobian = -log(cosine);
 #endif
     } else {
-        float cosine = dot(chart->normal, v), height = dot(chart->anchor - x, chart->normal);
-        if (!(cosine * height > 0.0f)) return false;
-        float t = height / cosine;
+        real cosine = dot(chart->normal, v), height = dot(chart->anchor - x, chart->normal);
+        if (!(cosine * height > 0.0)) return false;
+        real t = height / cosine;
         offset = x + t * v - chart->anchor;
         *log_jacobian = log(fabs(cosine) / (t * t));
     }
-    *delta = (float2)(dot(offset, chart->e1), dot(offset, chart->e2));  // eq. (7)
+    *delta = (real2)(dot(offset, chart->e1), dot(offset, chart->e2));  // eq. (7)
     return true;
 }
 

@@ -8,36 +8,36 @@
 
 // The lobe's two axes across its reference direction, in the plane of incidence and across it, and its width along each:
 // what a turn of the microfacet normal by alpha does to the direction. A diffuse lobe is one radian wide.
-void lobe_axes(const Scene *scene, const Vertex *vertex, float3 s, float3 *inward, float3 *sideways, float2 *width) {
-    float3 n = dot(vertex->ns, vertex->v) < 0.0f ? vertex->ns : -vertex->ns;
-    float3 across = n - dot(n, s) * s;
-    float size2 = length2(across);
-    *inward = size2 > 1e-8f ? across * rsqrt(size2) : any_tangent(s);
+void lobe_axes(const Scene *scene, const Vertex *vertex, real3 s, real3 *inward, real3 *sideways, real2 *width) {
+    real3 n = dot(vertex->ns, vertex->v) < 0.0 ? vertex->ns : -vertex->ns;
+    real3 across = n - dot(n, s) * s;
+    real size2 = length2(across);
+    *inward = size2 > 1e-8 ? across * rsqrt(size2) : any_tangent(s);
     *sideways = cross(s, *inward);
-    *width = (float2)(1.0f);
+    *width = (real2)(1.0);
 #if HAS_GLOSSY
     if (vertex->lobe == LOBE_DIFFUSE) return;
-    float alpha = scene->materials[vertex->material].alpha;
-    float ci = -dot(n, vertex->v);
-    float eta = 1.0f, ct = -ci;
+    real alpha = scene->materials[vertex->material].alpha;
+    real ci = -dot(n, vertex->v);
+    real eta = 1.0, ct = -ci;
 #if HAS_TRANSMIT
     if (vertex->lobe == LOBE_TRANSMIT) {
-        eta = 1.0f / relative_ior(&scene->materials[vertex->material], vertex, -vertex->v);
-        ct = fmax(fabs(dot(n, s)), 0.1f);
+        eta = 1.0 / relative_ior(&scene->materials[vertex->material], vertex, -vertex->v);
+        ct = fmax(fabs(dot(n, s)), 0.1);
     }
 #endif
-    float turn = fabs(eta * ci - ct);
-    *width = fmin(alpha * (float2)(turn / fmax(fabs(ct), 0.1f), fmax(turn, 0.2f)), (float2)(1.0f));
+    real turn = fabs(eta * ci - ct);
+    *width = fmin(alpha * (real2)(turn / fmax(fabs(ct), 0.1), fmax(turn, 0.2)), (real2)(1.0));
 #endif
 }
 
 // A free deviation (13), (14): a unit block on Omega, in the lobe's own axes.
 void constrain_free_lobe(const Scene *scene, const Vertex *vertex, const Chart *chart, int column, Factor *factor) {
-    float3 inward, sideways;
-    float2 width;
+    real3 inward, sideways;
+    real2 width;
     lobe_axes(scene, vertex, chart->anchor, &inward, &sideways, &width);
-    float2 axes[2] = {(float2)(dot(inward, chart->e1), dot(inward, chart->e2)), (float2)(dot(sideways, chart->e1), dot(sideways, chart->e2))};
-    float widths[2] = {width.x, width.y};
+    real2 axes[2] = {(real2)(dot(inward, chart->e1), dot(inward, chart->e2)), (real2)(dot(sideways, chart->e1), dot(sideways, chart->e2))};
+    real widths[2] = {width.x, width.y};
     for (int r = 0; r < 2; r++) {
         Row row;
         for (int b = 0; b < COLUMN_BLOCKS; b++)
@@ -48,9 +48,9 @@ void constrain_free_lobe(const Scene *scene, const Vertex *vertex, const Chart *
 }
 
 // A lobe whose deviation depends on the coordinates (15), (16): domega is d(v - s).
-void constrain_dependent_lobe(const Scene *scene, const Vertex *vertex, float3 s, const Tangent *domega, int blocks, Factor *factor) {
-    float3 inward, sideways;
-    float2 width;
+void constrain_dependent_lobe(const Scene *scene, const Vertex *vertex, real3 s, const Tangent *domega, int blocks, Factor *factor) {
+    real3 inward, sideways;
+    real2 width;
     lobe_axes(scene, vertex, s, &inward, &sideways, &width);
     Row row;
     for (int b = 0; b < blocks; b++) row.block[b] = tangent_dot(inward, domega[b]) / width.x;
@@ -66,9 +66,9 @@ void constrain_object(const Scene *scene, const Vertex *vertex, const Tangent *d
     __global const SceneObject *object = &scene->objects[scene->triangles[vertex->triangle].object];
     if (!object->small) return;
     for (int axis = 0; axis < 3; axis++) {
-        float inverse = object->inverse_half[axis];
-        if (inverse == 0.0f) continue;
-        float3 direction = vec3(object->axes + 3 * axis);
+        real inverse = object->inverse_half[axis];
+        if (inverse == 0.0) continue;
+        real3 direction = vec3(object->axes + 3 * axis);
         Row row;
         for (int b = 0; b < blocks; b++) row.block[b] = inverse * tangent_dot(direction, dx[b]);
         factor_add_row(factor, &row, 0);
@@ -82,7 +82,7 @@ void constrain_object(const Scene *scene, const Vertex *vertex, const Tangent *d
 void constrain_normal(const Vertex *vertex, const Curvature *curvature, const Tangent *dn, int blocks, Factor *factor) {
 #if HAS_SMOOTH
     if (curvature->flat) return;
-    float3 axes[2];
+    real3 axes[2];
     axes[0] = any_tangent(vertex->ns);
     axes[1] = cross(vertex->ns, axes[0]);
     for (int e = 0; e < 2; e++) {
@@ -96,20 +96,20 @@ void constrain_normal(const Vertex *vertex, const Curvature *curvature, const Ta
 
 // The segment from x to next stays in each aperture that it passes (11), (20); dx0 and dx1 are its ends' tangents. `skip`
 // is the aperture whose own chart the direction takes: there the constraint is a unit block, added by constrain_direction.
-void constrain_apertures(const Scene *scene, float3 x, const Vertex *next, const Tangent *dx0, const Tangent *dx1, int skip, int blocks, Factor *factor) {
+void constrain_apertures(const Scene *scene, real3 x, const Vertex *next, const Tangent *dx0, const Tangent *dx1, int skip, int blocks, Factor *factor) {
 #if NUM_APERTURES > 0
     for (int i = 0; i < NUM_APERTURES; i++) {
-        float3 point;
+        real3 point;
         __global const Aperture *aperture = &scene->apertures[i];
         if (i == skip || !crosses_aperture(aperture, x, next->v, next->t, &point)) continue;
-        float3 normal = vec3(aperture->normal), axes[2] = {vec3(aperture->axis), cross(normal, vec3(aperture->axis))};
-        float share = dot(point - x, next->v) / next->t;
-        float cosine = dot(next->v, normal);
+        real3 normal = vec3(aperture->normal), axes[2] = {vec3(aperture->axis), cross(normal, vec3(aperture->axis))};
+        real share = dot(point - x, next->v) / next->t;
+        real cosine = dot(next->v, normal);
         Tangent moved[COLUMN_BLOCKS];
         for (int b = 0; b < blocks; b++)
-            moved[b] = tangent_add(tangent_times(dx0[b], (float8)(1.0f - share)), tangent_times(dx1[b], (float8)(share)));
+            moved[b] = tangent_add(tangent_times(dx0[b], (real8)(1.0 - share)), tangent_times(dx1[b], (real8)(share)));
         for (int e = 0; e < 2; e++) {
-            float3 slanted = axes[e] - dot(axes[e], next->v) / cosine * normal;
+            real3 slanted = axes[e] - dot(axes[e], next->v) / cosine * normal;
             Row row;
             for (int b = 0; b < blocks; b++) row.block[b] = tangent_dot(slanted, moved[b]) / aperture->half_size[e];
             factor_add_row(factor, &row, 0);
@@ -121,15 +121,15 @@ void constrain_apertures(const Scene *scene, float3 x, const Vertex *next, const
 
 // What binds a direction's own two coordinates: the bounds (one radian, one chart unit; the film for v_1), and its
 // aperture where it has that chart. Fills L's diagonal, which is still empty there.
-void constrain_direction(const Scene *scene, const Chart *chart, int j, float3 x, Factor *factor) {
-    float2 weight2 = (float2)(1.0f);
-    float angle = j == 1 ? scene->camera->bound : 1.0f;
+void constrain_direction(const Scene *scene, const Chart *chart, int j, real3 x, Factor *factor) {
+    real2 weight2 = (real2)(1.0);
+    real angle = j == 1 ? scene->camera->bound : 1.0;
     if (chart->kind >= KIND_NODE) weight2 /= length2(chart->anchor - x);
     weight2 /= angle * angle;
 #if NUM_APERTURES > 0
     if (chart->kind >= KIND_APERTURE) {
         __global const Aperture *aperture = &scene->apertures[chart->kind - KIND_APERTURE];
-        weight2 += (float2)(1.0f / square(aperture->half_size[0]), 1.0f / square(aperture->half_size[1]));
+        weight2 += (real2)(1.0 / square(aperture->half_size[0]), 1.0 / square(aperture->half_size[1]));
         factor->constraints += 2;
     }
 #endif

@@ -10,53 +10,53 @@
 #include "vectors.cl"
 
 // v = along * s + across * (Omega_p p + Omega_q q); false outside the chart's domain.
-bool chart_coefficients(float2 omega, float *along, float *across) {
-    float rho2 = dot(omega, omega);
+bool chart_coefficients(real2 omega, real *along, real *across) {
+    real rho2 = dot(omega, omega);
 #if CHART == CHART_EQUAL_AREA
-    *along = 1.0f - 0.5f * rho2;
-    *across = sqrt(fmax(0.0f, 1.0f - 0.25f * rho2));
-    return rho2 < 4.0f;
+    *along = 1.0 - 0.5 * rho2;
+    *across = sqrt(fmax(0.0, 1.0 - 0.25 * rho2));
+    return rho2 < 4.0;
 #else
-    *along = sqrt(fmax(0.0f, 1.0f - rho2));
-    *across = 1.0f;
-    return rho2 < 1.0f;
+    *along = sqrt(fmax(0.0, 1.0 - rho2));
+    *across = 1.0;
+    return rho2 < 1.0;
 #endif
 }
 
-bool deviation_direction(float2 omega, float3 s, float3 p, float3 *v) {
-    float along, across;
+bool deviation_direction(real2 omega, real3 s, real3 p, real3 *v) {
+    real along, across;
     if (!chart_coefficients(omega, &along, &across)) return false;
     *v = normalize(along * s + across * (omega.x * p + omega.y * cross(s, p)));
     return true;
 }
 
 // The inverse. False where v is beyond the chart's reach.
-bool deviation_of(float3 v, float3 s, float3 p, float2 *omega) {
-    *omega = (float2)(dot(v, p), dot(v, cross(s, p)));
+bool deviation_of(real3 v, real3 s, real3 p, real2 *omega) {
+    *omega = (real2)(dot(v, p), dot(v, cross(s, p)));
 #if CHART == CHART_EQUAL_AREA
-    float half_cosine2 = 0.5f * (1.0f + dot(s, v));
-    *omega *= rsqrt(fmax(half_cosine2, 1e-20f));
-    return half_cosine2 > 0.0f;
+    real half_cosine2 = 0.5 * (1.0 + dot(s, v));
+    *omega *= rsqrt(fmax(half_cosine2, 1e-20));
+    return half_cosine2 > 0.0;
 #else
-    return dot(s, v) > 0.0f;
+    return dot(s, v) > 0.0;
 #endif
 }
 
 // log dsigma/dOmega.
-float deviation_log_jacobian(float2 omega) {
+real deviation_log_jacobian(real2 omega) {
 #if CHART == CHART_ORTHOGRAPHIC
-    return -0.5f * log(1.0f - dot(omega, omega));
+    return -0.5 * log(1.0 - dot(omega, omega));
 #else
-    return 0.0f;
+    return 0.0;
 #endif
 }
 
 // d(along) and d(across) per unit of d(rho^2)/2 = Omega.dOmega.
-float2 chart_slopes(float along, float across) {
+real2 chart_slopes(real along, real across) {
 #if CHART == CHART_EQUAL_AREA
-    return (float2)(-1.0f, -0.25f / fmax(across, 1e-4f));
+    return (real2)(-1.0, -0.25 / fmax(across, 1e-4));
 #else
-    return (float2)(-1.0f / fmax(along, 1e-4f), 0.0f);
+    return (real2)(-1.0 / fmax(along, 1e-4), 0.0);
 #endif
 }
 

@@ -8,27 +8,27 @@
 
 // Which point light: probability in proportion to power.
 int sample_point_light(const Scene *scene, Rng *rng) {
-    float u = rng_uniform(rng);
+    real u = rng_uniform(rng);
     int light = 0;
     while (light < NUM_POINTS - 1 && u >= scene->points[light].cumulative) light++;
     return light;
 }
 
-float point_light_probability(const Scene *scene, int light) {
-    return scene->points[light].cumulative - (light > 0 ? scene->points[light - 1].cumulative : 0.0f);
+real point_light_probability(const Scene *scene, int light) {
+    return scene->points[light].cumulative - (light > 0 ? scene->points[light - 1].cumulative : 0.0);
 }
 
 // A point on an emitter: a triangle in proportion to area times luminance, then uniform on it.
 void sample_emitter(const Scene *scene, Rng *rng, Vertex *vertex) {
-    float u = rng_uniform(rng);
+    real u = rng_uniform(rng);
     int low = 0, high = NUM_EMITTER_TRIANGLES - 1;
     while (low < high) {
         int middle = (low + high) / 2;
         if (u < scene->emitter_cdf[middle]) high = middle;
         else low = middle + 1;
     }
-    float root = sqrt(rng_uniform(rng)), share = rng_uniform(rng);
-    place_on_triangle(scene, scene->emitter_triangles[low], root * (1.0f - share), root * share, vertex);
+    real root = sqrt(rng_uniform(rng)), share = rng_uniform(rng);
+    place_on_triangle(scene, scene->emitter_triangles[low], root * (1.0 - share), root * share, vertex);
 }
 
 // The emitter that the vertex lies on, or null.
@@ -38,34 +38,34 @@ __global const Emitter *emitter_at(const Scene *scene, const Vertex *vertex) {
 }
 
 // Density per area of sample_emitter at the vertex.
-float emitter_density(const Scene *scene, const Vertex *vertex) {
+real emitter_density(const Scene *scene, const Vertex *vertex) {
     __global const Emitter *emitter = emitter_at(scene, vertex);
-    return emitter ? emitter->density : 0.0f;
+    return emitter ? emitter->density : 0.0;
 }
 
 // Radiance that the vertex emits against v, the direction in which the camera's path arrives; front side only.
-float3 emitted_radiance(const Scene *scene, const Vertex *vertex, float3 v) {
+real3 emitted_radiance(const Scene *scene, const Vertex *vertex, real3 v) {
     __global const Emitter *emitter = emitter_at(scene, vertex);
-    return emitter && dot(v, vertex->ng) < 0.0f ? vec3(emitter->radiance) : (float3)(0.0f);
+    return emitter && dot(v, vertex->ng) < 0.0 ? vec3(emitter->radiance) : (real3)(0.0);
 }
 
 // The direction in which a light path sets out, and its density in solid angle. A null vertex: from the point light.
-float emission_density(const Scene *scene, const Vertex *emitter, float3 x, float3 direction) {
-    float otherwise = emitter ? fmax(dot(emitter->ng, direction), 0.0f) * INV_PI : 0.25f * INV_PI;
+real emission_density(const Scene *scene, const Vertex *emitter, real3 x, real3 direction) {
+    real otherwise = emitter ? fmax(dot(emitter->ng, direction), 0.0) * INV_PI : 0.25 * INV_PI;
     return aimed_density(scene, x, direction, otherwise, AIM_FROM_LIGHT);
 }
 
-float3 sample_emission(const Scene *scene, const Vertex *emitter, float3 x, Rng *rng) {
-    float3 direction;
+real3 sample_emission(const Scene *scene, const Vertex *emitter, real3 x, Rng *rng) {
+    real3 direction;
     if (sample_aim(scene, x, AIM_FROM_LIGHT, rng, &direction)) return direction;
-    float u = rng_uniform(rng), angle = 2.0f * PI * rng_uniform(rng);
+    real u = rng_uniform(rng), angle = 2.0 * PI * rng_uniform(rng);
     if (!emitter) {
-        float z = 1.0f - 2.0f * u, radius = sqrt(fmax(0.0f, 1.0f - z * z));
-        return (float3)(radius * cos(angle), radius * sin(angle), z);
+        real z = 1.0 - 2.0 * u, radius = sqrt(fmax(0.0, 1.0 - z * z));
+        return (real3)(radius * cos(angle), radius * sin(angle), z);
     }
-    float radius = sqrt(u);
-    float3 tangent = any_tangent(emitter->ng);
-    return normalize(radius * cos(angle) * tangent + radius * sin(angle) * cross(emitter->ng, tangent) + sqrt(1.0f - u) * emitter->ng);
+    real radius = sqrt(u);
+    real3 tangent = any_tangent(emitter->ng);
+    return normalize(radius * cos(angle) * tangent + radius * sin(angle) * cross(emitter->ng, tangent) + sqrt(1.0 - u) * emitter->ng);
 }
 
 #endif

@@ -9,26 +9,26 @@
 #include "differentials.cl"
 
 typedef struct {
-    float8 column[COLUMNS][COLUMN_BLOCKS];
+    real8 column[COLUMNS][COLUMN_BLOCKS];
     int n;            // coordinates in use
     int constraints;  // M, the constraints present
 } Factor;
 
 // A row over all coordinates: one function of the path, differentiated, divided by its width q.
-typedef struct { float8 block[COLUMN_BLOCKS]; } Row;
+typedef struct { real8 block[COLUMN_BLOCKS]; } Row;
 
-float row_entry(const Row *row, int k) { return ((const float *)row->block)[k]; }
-float factor_entry(const Factor *factor, int i, int k) { return ((const float *)factor->column[k])[i]; }
+real row_entry(const Row *row, int k) { return real8_at(row->block, k); }
+real factor_entry(const Factor *factor, int i, int k) { return real8_at(factor->column[k], i); }
 
 // L L^T += row row^T, for a row that is zero before coordinate `first` and a factor whose later columns it may reach.
 void factor_add_row(Factor *factor, Row *row, int first) {
     int blocks = (factor->n + LANES - 1) / LANES;
     for (int k = first; k < factor->n; k++) {
-        float w = row_entry(row, k);
-        if (w == 0.0f) continue;
-        float diagonal = factor_entry(factor, k, k);
-        float updated = sqrt(diagonal * diagonal + w * w);
-        float c = updated / diagonal, s = w / diagonal, inverse_c = diagonal / updated;
+        real w = row_entry(row, k);
+        if (w == 0.0) continue;
+        real diagonal = factor_entry(factor, k, k);
+        real updated = sqrt(diagonal * diagonal + w * w);
+        real c = updated / diagonal, s = w / diagonal, inverse_c = diagonal / updated;
         for (int b = k / LANES; b < blocks; b++) {
             factor->column[k][b] = (factor->column[k][b] + s * row->block[b]) * inverse_c;
             row->block[b] = c * row->block[b] - s * factor->column[k][b];
@@ -39,42 +39,42 @@ void factor_add_row(Factor *factor, Row *row, int first) {
 // w(M) of the combination rule, and log |det T| = -sum log L_kk.
 void factor_finish(Factor *factor) {
 #if RULE != RULE_SUM
-    float m = (float)max(factor->constraints, 1);
-    float weight = RULE == RULE_MEAN ? rsqrt(m) : rsqrt(sqrt(m));  // on L, the root of that on Q
+    real m = (real)max(factor->constraints, 1);
+    real weight = RULE == RULE_MEAN ? rsqrt(m) : rsqrt(sqrt(m));  // on L, the root of that on Q
     int blocks = (factor->n + LANES - 1) / LANES;
     for (int k = 0; k < factor->n; k++)
         for (int b = 0; b < blocks; b++) factor->column[k][b] *= weight;
 #endif
 }
 
-float factor_log_determinant(const Factor *factor) {
-    float product_log = 0.0f;
+real factor_log_determinant(const Factor *factor) {
+    real product_log = 0.0;
     for (int k = 0; k < factor->n; k++) product_log += log(factor_entry(factor, k, k));
     return product_log;
 }
 
 // delta = L^{-T} xi: back-substitution.
-void factor_solve_transposed(const Factor *factor, const float *xi, float *delta) {
+void factor_solve_transposed(const Factor *factor, const real *xi, real *delta) {
     for (int k = factor->n - 1; k >= 0; k--) {
-        float sum = xi[k];
+        real sum = xi[k];
         for (int i = k + 1; i < factor->n; i++) sum -= factor_entry(factor, i, k) * delta[i];
         delta[k] = sum / factor_entry(factor, k, k);
     }
 }
 
 // xi = L^T delta.
-void factor_apply_transposed(const Factor *factor, const float *delta, float *xi) {
+void factor_apply_transposed(const Factor *factor, const real *delta, real *xi) {
     for (int k = 0; k < factor->n; k++) {
-        float sum = 0.0f;
+        real sum = 0.0;
         for (int i = k; i < factor->n; i++) sum += factor_entry(factor, i, k) * delta[i];
         xi[k] = sum;
     }
 }
 
 // y = L^{-1} g: forward substitution.
-void factor_solve(const Factor *factor, const float *g, float *y) {
+void factor_solve(const Factor *factor, const Row *g, real *y) {
     for (int i = 0; i < factor->n; i++) {
-        float sum = g[i];
+        real sum = row_entry(g, i);
         for (int k = 0; k < i; k++) sum -= factor_entry(factor, i, k) * y[k];
         y[i] = sum / factor_entry(factor, i, i);
     }

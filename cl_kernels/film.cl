@@ -4,6 +4,8 @@
 #ifndef PYLMC_FILM
 #define PYLMC_FILM
 
+#include "real.cl"
+
 #define FILM_SCALE 16777216.0f  // 2^24 to the unit: values near 1 keep all of a float's digits
 
 void film_add_channel(__global volatile uint *word, float value) {
@@ -18,10 +20,10 @@ void film_add_channel(__global volatile uint *word, float value) {
     if (high) atomic_add(&word[1], high);
 }
 
-void film_add(__global volatile uint *film, size_t pixel, float3 value) {
-    film_add_channel(film + 6 * pixel, value.x);
-    film_add_channel(film + 6 * pixel + 2, value.y);
-    film_add_channel(film + 6 * pixel + 4, value.z);
+void film_add(__global volatile uint *film, size_t pixel, real3 value) {
+    film_add_channel(film + 6 * pixel, (float)value.x);
+    film_add_channel(film + 6 * pixel + 2, (float)value.y);
+    film_add_channel(film + 6 * pixel + 4, (float)value.z);
 }
 
 #endif

@@ -6,10 +6,10 @@
 #include "lobes.cl"
 
 // p, across v where the path arrives at the vertex, as it leaves: across the reference direction s.
-float3 transport_frame(const Vertex *vertex, float3 v, float3 p, float3 s) {
+real3 transport_frame(const Vertex *vertex, real3 v, real3 p, real3 s) {
     // A refracted direction is near v, and opposite to the mirror direction at normal incidence: turn from v itself.
     if (vertex->lobe == LOBE_TRANSMIT) return rotate_minimal(p, v, s);
-    float3 reflected = reflect_about(p, vertex->ns);
+    real3 reflected = reflect_about(p, vertex->ns);
     return vertex->lobe == LOBE_DIFFUSE ? rotate_minimal(reflected, reflect_about(v, vertex->ns), s) : reflected;
 }
 

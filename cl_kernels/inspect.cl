@@ -4,9 +4,9 @@
 #include "small_step.cl"
 
 // block: how many leading directions; 0: all free ones.
-PATH_KERNEL void describe_chains(SCENE_PARAMETERS, uint chains, __global const ChainState *states, int block, __global float *node_out,
-                              __global float *directions, __global float *deviations, __global int *kinds, __global int *lobes,
-                              __global float *densities, __global float *factors, __global float *gradients) {
+PATH_KERNEL void describe_chains(SCENE_PARAMETERS, uint chains, __global const ChainState *states, int block, __global real *node_out,
+                              __global real *directions, __global real *deviations, __global int *kinds, __global int *lobes,
+                              __global real *densities, __global real *factors, __global real *gradients) {
     uint index = get_global_id(0);
     if (index >= chains) return;
     Scene scene = SCENE_BUNDLE;
@@ -16,7 +16,7 @@ PATH_KERNEL void describe_chains(SCENE_PARAMETERS, uint chains, __global const C
     Radiance radiance = integrand(&scene, &path);
     densities[2 * index] = radiance.log_i;
     densities[2 * index + 1] = log_independent_density(&scene, &path);
-    float3 p = any_tangent(path.vertex[1].v);
+    real3 p = any_tangent(path.vertex[1].v);
     Chart charts[MAX_DEPTH + 1];
     charts_of_path(&scene, &path, m, p, charts);
     for (int i = 1; i <= path.length; i++) {
@@ -29,8 +29,8 @@ PATH_KERNEL void describe_chains(SCENE_PARAMETERS, uint chains, __global const C
     // Omega_i, the deviation of v_{i+1}, i = 1 .. K-1
     for (int i = 1; i < path.length; i++) {
         const Vertex *here = &path.vertex[i];
-        float3 s = reference_direction(&scene, here, here->v);
-        float2 omega;
+        real3 s = reference_direction(&scene, here, here->v);
+        real2 omega;
         p = transport_frame(here, here->v, p, s);
         deviation_of(path.vertex[i + 1].v, s, p, &omega);
         vstore2(omega, (size_t)index * MAX_DEPTH + i - 1, deviations);
@@ -45,22 +45,22 @@ PATH_KERNEL void describe_chains(SCENE_PARAMETERS, uint chains, __global const C
 }
 
 // Move each chain's path by deltas (2 * MAX_DEPTH a chain) and report the new nodes and directions; NaN where there is none.
-PATH_KERNEL void displace_chains(SCENE_PARAMETERS, uint chains, __global const ChainState *states, int block, __global const float *deltas,
-                              __global float *node_out, __global float *directions) {
+PATH_KERNEL void displace_chains(SCENE_PARAMETERS, uint chains, __global const ChainState *states, int block, __global const real *deltas,
+                              __global real *node_out, __global real *directions) {
     uint index = get_global_id(0);
     if (index >= chains) return;
     Scene scene = SCENE_BUNDLE;
     Path path, moved;
     load_path(&scene, &states[index], &path);
     int m = block > 0 ? min(block, free_directions(&path)) : free_directions(&path);
-    float3 p = any_tangent(path.vertex[1].v), p_new;
+    real3 p = any_tangent(path.vertex[1].v), p_new;
     Chart charts[MAX_DEPTH + 1];
-    float delta[COLUMNS], log_jacobian;
+    real delta[COLUMNS], log_jacobian;
     for (int k = 0; k < 2 * m; k++) delta[k] = deltas[(size_t)index * 2 * MAX_DEPTH + k];
     bool ok = charts_of_path(&scene, &path, m, p, charts) && displaced_path(&scene, &path, m, delta, charts, p, &p_new, &moved, &log_jacobian);
     for (int i = 1; i <= path.length; i++) {
         size_t at = (size_t)index * MAX_DEPTH + i - 1;
-        vstore3(ok ? moved.vertex[i].x : (float3)(NAN), at, node_out);
-        vstore3(ok ? moved.vertex[i].v : (float3)(NAN), at, directions);
+        vstore3(ok ? moved.vertex[i].x : (real3)(NAN), at, node_out);
+        vstore3(ok ? moved.vertex[i].v : (real3)(NAN), at, directions);
     }
 }

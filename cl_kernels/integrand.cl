@@ -17,40 +17,40 @@
 #define LOG_ZERO -INFINITY
 
 typedef struct {
-    float3 colour;   // C / exp(log_scale)
-    float log_i;     // log of I, the chain's target density; LOG_ZERO where C = 0
-    float weight;    // of the film position
+    real3 colour;   // C / exp(log_scale)
+    real log_i;     // log of I, the chain's target density; LOG_ZERO where C = 0
+    real weight;    // of the film position
 } Radiance;
 
 // C / I.
-float3 colour_over_target(const Radiance *c) { return c->colour / (c->weight * luminance(c->colour)); }
+real3 colour_over_target(const Radiance *c) { return c->colour / (c->weight * luminance(c->colour)); }
 
 Radiance integrand(const Scene *scene, const Path *path) {
     Radiance c;
     c.log_i = LOG_ZERO;
-    c.colour = (float3)(1.0f);
-    float importance = camera_importance(scene, path->vertex[1].v);
-    if (!(importance > 0.0f)) return c;
-    float log_scale = log(importance);
+    c.colour = (real3)(1.0);
+    real importance = camera_importance(scene, path->vertex[1].v);
+    if (!(importance > 0.0)) return c;
+    real log_scale = log(importance);
     for (int i = 1; i < path->length; i++) {
-        float scale;
+        real scale;
         c.colour *= lobe_value(scene, &path->vertex[i], -path->vertex[i].v, path->vertex[i + 1].v, &scale);
-        if (!(scale > 0.0f)) return c;
+        if (!(scale > 0.0)) return c;
         log_scale += log(scale);
     }
     const Vertex *last = &path->vertex[path->length];
 #if HAS_POINTS
     if (path->ending == ENDING_CONNECT) {
         c.colour *= vec3(scene->points[path->light].intensity);
-        log_scale -= 2.0f * log(last->t);
+        log_scale -= 2.0 * log(last->t);
     }
 #endif
 #if HAS_EMITTERS
     if (path->ending == ENDING_HIT) c.colour *= emitted_radiance(scene, last, last->v);
 #endif
-    float brightness = luminance(c.colour);
+    real brightness = luminance(c.colour);
     c.weight = film_weight(scene, path->vertex[1].v);
-    if (brightness > 0.0f) c.log_i = log_scale + log(brightness * c.weight);
+    if (brightness > 0.0) c.log_i = log_scale + log(brightness * c.weight);
     return c;
 }
 

@@ -16,13 +16,13 @@
 #define LOBE_TRANSMIT 3            // refracted part of a dielectric interface
 
 typedef struct {
-    float3 x;          // position
-    float3 v;          // unit direction of the segment that arrives here, as travelled from the camera
-    float3 ng;         // geometric normal (unit, as the mesh orients it)
-    float3 ns;         // shading normal (unit, on ng's side)
-    float3 tint;       // the material's texture here, or white
-    float t;           // length of the arriving segment
-    float bu, bv;      // barycentric coordinates of x
+    real3 x;          // position
+    real3 v;          // unit direction of the segment that arrives here, as travelled from the camera
+    real3 ng;         // geometric normal (unit, as the mesh orients it)
+    real3 ns;         // shading normal (unit, on ng's side)
+    real3 tint;       // the material's texture here, or white
+    real t;           // length of the arriving segment
+    real bu, bv;      // barycentric coordinates of x
     int triangle;
     int material;
     int lobe;          // the lobe of this path's signature at this node

@@ -10,15 +10,15 @@
 
 // p is the frame at v_1 that the charts were made with. With drift, the gradient of the log density in the charts'
 // coordinates comes back as well.
-void precondition(const Scene *scene, const Path *path, int m, float3 p, const Chart *charts, Factor *factor, Row *gradient) {
+void precondition(const Scene *scene, const Path *path, int m, real3 p, const Chart *charts, Factor *factor, Row *gradient) {
     factor->n = 2 * m;
     factor->constraints = 0;
     int blocks = (factor->n + LANES - 1) / LANES;
-    Tangent zero = tangent_scaled((float3)(0.0f), (float8)(0.0f));
+    Tangent zero = tangent_scaled((real3)(0.0), (real8)(0.0));
     Tangent dx[COLUMN_BLOCKS], dv[COLUMN_BLOCKS], dn[COLUMN_BLOCKS];
     for (int b = 0; b < blocks; b++) {
         dx[b] = dv[b] = dn[b] = zero;
-        gradient->block[b] = (float8)(0.0f);
+        gradient->block[b] = (real8)(0.0);
     }
     for (int j = 1; j <= m; j++)
         constrain_direction(scene, &charts[j], j, j == 1 ? vec3(scene->camera->origin) : path->vertex[j - 1].x, factor);
@@ -28,21 +28,21 @@ void precondition(const Scene *scene, const Path *path, int m, float3 p, const C
     int last_deviation = 0;
     for (int j = 2; j <= m; j++) if (charts[j].kind == KIND_DEVIATION) last_deviation = j;
 #endif
-    float3 x = vec3(scene->camera->origin);
+    real3 x = vec3(scene->camera->origin);
     for (int j = 1; j <= m; j++) {
         const Chart *chart = &charts[j];
         const Vertex *here = &path->vertex[j - 1], *next = &path->vertex[j];
         Tangent dx0[COLUMN_BLOCKS], dv_in[COLUMN_BLOCKS];
 #if HAS_DEVIATION
         bool with_frame = j <= last_deviation;
-        float3 s, arriving_p = p;
+        real3 s, arriving_p = p;
         if (j > 1 && with_frame) {
             s = reference_direction(scene, here, here->v);
             p = transport_frame(here, here->v, p, s);
         }
 #endif
         for (int b = 0; b < blocks; b++) {
-            float8 unit1 = column_unit(b, 2 * j - 2), unit2 = column_unit(b, 2 * j - 1);
+            real8 unit1 = column_unit(b, 2 * j - 2), unit2 = column_unit(b, 2 * j - 1);
             dx0[b] = dx[b];
             dv_in[b] = dv[b];
 #if HAS_DEVIATION
@@ -65,7 +65,7 @@ void precondition(const Scene *scene, const Path *path, int m, float3 p, const C
 #if DRIFT
 #if CHART == CHART_ORTHOGRAPHIC
             if (chart->kind == KIND_DEVIATION)
-                gradient->block[b] += (chart->omega.x * unit1 + chart->omega.y * unit2) / fmax(1.0f - dot(chart->omega, chart->omega), 1e-6f);
+                gradient->block[b] += (chart->omega.x * unit1 + chart->omega.y * unit2) / fmax(1.0 - dot(chart->omega, chart->omega), 1e-6);
 #endif
             if (chart->kind >= KIND_NODE) {
                 Tangent moved = tangent_sub(tangent_add(tangent_scaled(chart->e1, unit1), tangent_scaled(chart->e2, unit2)), dx0[b]);
@@ -95,10 +95,10 @@ void precondition(const Scene *scene, const Path *path, int m, float3 p, const C
     // the segment to the fixed point x_{m+1}
     const Vertex *here = &path->vertex[m], *next = &path->vertex[m + 1];
     Tangent domega[COLUMN_BLOCKS], still[COLUMN_BLOCKS], dv_in[COLUMN_BLOCKS];
-    float3 s = here->lobe == LOBE_DIFFUSE ? next->v : reference_direction(scene, here, here->v);
+    real3 s = here->lobe == LOBE_DIFFUSE ? next->v : reference_direction(scene, here, here->v);
     for (int b = 0; b < blocks; b++) {
         dv_in[b] = dv[b];
-        dv[b] = tangent_times(tangent_across(next->v, dx[b]), (float8)(-1.0f / next->t));
+        dv[b] = tangent_times(tangent_across(next->v, dx[b]), (real8)(-1.0 / next->t));
         // a diffuse lobe does not mind where its light goes, but one radian is still as far as a linear step is good
         domega[b] = here->lobe == LOBE_DIFFUSE ? dv[b] : tangent_sub(dv[b], reference_tangent(scene, here, dv_in[b], dn[b]));
         still[b] = zero;
@@ -107,7 +107,7 @@ void precondition(const Scene *scene, const Path *path, int m, float3 p, const C
 #if DRIFT
     gradient_add_lobe(scene, here, next->v, dv_in, dv, dn, blocks, gradient);
     // 1/r^2 of the light; or the joint's |n.v| / r^2, and the next node's lobe
-    for (int b = 0; b < blocks; b++) gradient->block[b] += 2.0f / next->t * tangent_dot(next->v, dx[b]);
+    for (int b = 0; b < blocks; b++) gradient->block[b] += 2.0 / next->t * tangent_dot(next->v, dx[b]);
     if (m < free_directions(path)) {
         for (int b = 0; b < blocks; b++) gradient->block[b] += tangent_dot(next->ng, dv[b]) / dot(next->ng, next->v);
         if (m + 1 < path->length) gradient_add_lobe(scene, next, path->vertex[m + 2].v, dv, still, still, blocks, gradient);
@@ -117,7 +117,7 @@ void precondition(const Scene *scene, const Path *path, int m, float3 p, const C
 #if HAS_NARROW
     // the next node's lobe sees its light arrive from elsewhere and must send it on as before
     if (m + 1 < path->length && next->lobe != LOBE_DIFFUSE) {
-        for (int b = 0; b < blocks; b++) domega[b] = tangent_times(reference_tangent(scene, next, dv[b], zero), (float8)(-1.0f));
+        for (int b = 0; b < blocks; b++) domega[b] = tangent_times(reference_tangent(scene, next, dv[b], zero), (real8)(-1.0));
         constrain_dependent_lobe(scene, next, reference_direction(scene, next, next->v), domega, blocks, factor);
     }
 #endif

@@ -36,16 +36,24 @@ uint rng_bits(Rng *rng) {
     return rng->block.v[rng->left];
 }
 
-// Uniform in the open interval (0, 1): 23 bits and a half, so that neither end is ever returned, not even by rounding.
-float rng_uniform(Rng *rng) { return ((float)(rng_bits(rng) >> 9) + 0.5f) * 1.1920928955078125e-7f; }
+// Uniform in the open interval (0, 1): as many bits as `real` holds, and a half, so that neither end is ever returned, not
+// even by rounding.
+real rng_uniform(Rng *rng) {
+#if REAL == REAL_FLOAT
+    return ((real)(rng_bits(rng) >> 9) + 0.5) * 1.1920928955078125e-7;  // 2^-23
+#else
+    uint high = rng_bits(rng) >> 6, low = rng_bits(rng) >> 6;
+    return ((real)high * 67108864.0 + (real)low + 0.5) * 2.220446049250313e-16;  // 2^26, 2^-52
+#endif
+}
 
 int rng_index(Rng *rng, int count) { return min((int)(rng_uniform(rng) * count), count - 1); }
 
 // Two independent standard normals (Box and Muller).
-float2 rng_normal2(Rng *rng) {
-    float radius = sqrt(-2.0f * log(rng_uniform(rng)));
-    float angle = 2.0f * PI * rng_uniform(rng);
-    return radius * (float2)(cos(angle), sin(angle));
+real2 rng_normal2(Rng *rng) {
+    real radius = sqrt(-2.0 * log(rng_uniform(rng)));
+    real angle = 2.0 * PI * rng_uniform(rng);
+    return radius * (real2)(cos(angle), sin(angle));
 }
 
 #endif

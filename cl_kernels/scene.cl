@@ -13,17 +13,17 @@
 typedef struct {
     __global const BvhNode *nodes;
     __global const BvhLeaf *leaves;
-    __global const float *vertices;
+    __global const real *vertices;
     __global const int *faces;
-    __global const float *normals;
-    __global const float *uvs;
+    __global const real *normals;
+    __global const real *uvs;
     __global const TriangleInfo *triangles;
     __global const Material *materials;
     __global const TextureInfo *textures;
     __global const float *texels;
     __global const SceneObject *objects;
     __global const Emitter *emitters;
-    __global const float *emitter_cdf;
+    __global const real *emitter_cdf;
     __global const int *emitter_triangles;
     __global const PointLight *points;
     __global const Aperture *apertures;
@@ -34,11 +34,11 @@ typedef struct {
 } Scene;
 
 #define SCENE_PARAMETERS                                                                                           \
-    __global const BvhNode *nodes, __global const BvhLeaf *leaves, __global const float *vertices,                \
-        __global const int *faces, __global const float *normals, __global const float *uvs,                      \
+    __global const BvhNode *nodes, __global const BvhLeaf *leaves, __global const real *vertices,                \
+        __global const int *faces, __global const real *normals, __global const real *uvs,                      \
         __global const TriangleInfo *triangles, __global const Material *materials,                               \
         __global const TextureInfo *textures, __global const float *texels, __global const SceneObject *objects,  \
-        __global const Emitter *emitters, __global const float *emitter_cdf,                                      \
+        __global const Emitter *emitters, __global const real *emitter_cdf,                                      \
         __global const int *emitter_triangles, __global const PointLight *points,                                 \
         __global const Aperture *apertures, __global const Target *targets, __global const Camera *camera,                         \
         __global const float *evenness
@@ -47,12 +47,15 @@ typedef struct {
     { nodes, leaves, vertices, faces, normals, uvs, triangles, materials, textures, texels, objects, emitters,     \
       emitter_cdf, emitter_triangles, points, apertures, targets, camera, evenness, 0u }
 
-float3 load3(__global const float *p, int i) { return vload3(i, p); }
-float3 vec3(__global const float *p) { return (float3)(p[0], p[1], p[2]); }
+real3 load3(__global const real *p, int i) { return vload3(i, p); }
+real3 vec3(__global const real *p) { return (real3)(p[0], p[1], p[2]); }
 
-bool trace(Scene *scene, float3 origin, float3 direction, Hit *hit) {
+// A vector in the type that rays are traced in, which may be narrower than `real`.
+bvh_real3 traced(real3 a) { return (bvh_real3)((BVH_REAL)a.x, (BVH_REAL)a.y, (BVH_REAL)a.z); }
+
+bool trace(Scene *scene, real3 origin, real3 direction, Hit *hit) {
     scene->rays++;
-    return closest_hit(scene->nodes, scene->leaves, origin, direction, INFINITY, hit);
+    return closest_hit(scene->nodes, scene->leaves, traced(origin), traced(direction), INFINITY, hit);
 }
 
 #endif

@@ -14,27 +14,27 @@
 
 // Move directions 1 .. m of x by delta and trace; y is the new path. p, p_new: frames at v_1 and v^_1. The sum of the
 // charts' log dsigma/ddelta comes back by pointer.
-bool displaced_path(Scene *scene, const Path *x, int m, const float *delta, const Chart *charts, float3 p, float3 *p_new, Path *y, float *log_jacobian) {
+bool displaced_path(Scene *scene, const Path *x, int m, const real *delta, const Chart *charts, real3 p, real3 *p_new, Path *y, real *log_jacobian) {
     y->length = x->length;
     y->ending = x->ending;
     y->light = x->light;
-    *log_jacobian = 0.0f;
-    float3 node = vec3(scene->camera->origin);
+    *log_jacobian = 0.0;
+    real3 node = vec3(scene->camera->origin);
     for (int j = 1; j <= m; j++) {
         const Vertex *here = j > 1 ? &y->vertex[j - 1] : 0;
-        float3 s, v;
-        float jacobian;
+        real3 s, v;
+        real jacobian;
 #if HAS_DEVIATION
         if (j > 1) {
             s = reference_direction(scene, here, here->v);
             p = transport_frame(here, here->v, p, s);
         }
 #endif
-        if (!chart_direction(&charts[j], (float2)(delta[2 * j - 2], delta[2 * j - 1]), node, s, p, &v, &jacobian)) return false;
+        if (!chart_direction(&charts[j], (real2)(delta[2 * j - 2], delta[2 * j - 1]), node, s, p, &v, &jacobian)) return false;
         *log_jacobian += jacobian;
         if (j == 1) {
             // cheap refusals first: off the film, nothing needs tracing
-            if (!(camera_importance(scene, v) > 0.0f)) return false;
+            if (!(camera_importance(scene, v) > 0.0)) return false;
             p = *p_new = rotate_minimal(p, x->vertex[1].v, v);
         }
 #if HAS_DEVIATION
@@ -53,44 +53,44 @@ bool displaced_path(Scene *scene, const Path *x, int m, const float *delta, cons
     if (m == y->length) return emitter_at(scene, &y->vertex[m]) != 0;
     Vertex *far = &y->vertex[m + 1];
     far->t = distance(far->x, node);
-    if (!(far->t > 0.0f)) return false;
+    if (!(far->t > 0.0)) return false;
     far->v = (far->x - node) / far->t;
     return true;
 }
 
 // log dsigma/dA of the direction that joins a shorter block to the fixed node x_{m+1}: its delta is zero in its own chart.
-float joint_log_jacobian(const Path *path, int m) {
-    if (m >= free_directions(path)) return 0.0f;
+real joint_log_jacobian(const Path *path, int m) {
+    if (m >= free_directions(path)) return 0.0;
     const Vertex *far = &path->vertex[m + 1];
     return log(fabs(dot(far->ng, far->v)) / square(far->t));
 }
 
 // Propose y from x by a small step of the block m and length h. log_ratio: log p(X|X^) - log p(X^|X).
-int propose_small(Scene *scene, const Path *x, int m, float h, Rng *rng, Path *y, Radiance *radiance, float *log_ratio) {
+int propose_small(Scene *scene, const Path *x, int m, real h, Rng *rng, Path *y, Radiance *radiance, real *log_ratio) {
     Chart charts[MAX_DEPTH + 1];
     Factor factor;
     Row gradient;
-    float3 p = any_tangent(x->vertex[1].v), p_new;
+    real3 p = any_tangent(x->vertex[1].v), p_new;
     if (!charts_of_path(scene, x, m, p, charts)) return STEP_NO_PATH;
     precondition(scene, x, m, p, charts, &factor, &gradient);
     int n = 2 * m;
-    float xi[COLUMNS], delta[COLUMNS];
-    float forward = factor_log_determinant(&factor);
+    real xi[COLUMNS], delta[COLUMNS];
+    real forward = factor_log_determinant(&factor);
     for (int k = 0; k < n; k += 2) {
-        float2 normal = rng_normal2(rng);
+        real2 normal = rng_normal2(rng);
         xi[k] = normal.x;
         xi[k + 1] = normal.y;
-        forward -= 0.5f * dot(normal, normal);
+        forward -= 0.5 * dot(normal, normal);
     }
 #if DRIFT
-    float drift[COLUMNS];
+    real drift[COLUMNS];
     scaled_drift(&factor, &gradient, h, drift);
     for (int k = 0; k < n; k++) xi[k] += drift[k];
 #endif
     factor_solve_transposed(&factor, xi, delta);
     for (int k = 0; k < n; k++) delta[k] *= h;
 
-    float log_jacobian, log_jacobian_back = 0.0f;
+    real log_jacobian, log_jacobian_back = 0.0;
     if (!displaced_path(scene, x, m, delta, charts, p, &p_new, y, &log_jacobian)) return STEP_NO_PATH;
     *radiance = integrand(scene, y);
     if (!(radiance->log_i > LOG_ZERO)) return STEP_NO_PATH;
@@ -103,10 +103,10 @@ int propose_small(Scene *scene, const Path *x, int m, float h, Rng *rng, Path *y
     // the reverse step, from X^ with its own charts and factor
     Chart charts_new[MAX_DEPTH + 1];
     if (!charts_of_path(scene, y, m, p_new, charts_new)) return STEP_NO_PATH;
-    float3 node = vec3(scene->camera->origin);
+    real3 node = vec3(scene->camera->origin);
     for (int j = 1; j <= m; j++) {
-        float2 back;
-        float jacobian;
+        real2 back;
+        real jacobian;
         if (charts_new[j].kind != charts[j].kind) return STEP_NO_PATH;
         if (!chart_delta(&charts_new[j], node, x->vertex[j].v, charts[j].omega, &back, &jacobian)) return STEP_NO_PATH;
         delta[2 * j - 2] = back.x / h;
@@ -120,8 +120,8 @@ int propose_small(Scene *scene, const Path *x, int m, float h, Rng *rng, Path *y
     scaled_drift(&factor, &gradient, h, drift);
     for (int k = 0; k < n; k++) xi[k] -= drift[k];
 #endif
-    float reverse = factor_log_determinant(&factor) - log_jacobian_back - joint_log_jacobian(x, m);
-    for (int k = 0; k < n; k++) reverse -= 0.5f * square(xi[k]);
+    real reverse = factor_log_determinant(&factor) - log_jacobian_back - joint_log_jacobian(x, m);
+    for (int k = 0; k < n; k++) reverse -= 0.5 * square(xi[k]);
     *log_ratio = reverse - forward;
     return isfinite(*log_ratio) ? STEP_OK : STEP_NOT_FINITE;
 }

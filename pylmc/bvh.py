@@ -11,23 +11,23 @@ from typing import Any
 
 import numpy as np
 
-from .bvh_collapse import collapse
+from .bvh_collapse import as_reals, collapse
 from .bvh_grow import BinaryTree, grow
 from .errors import PylmcError
 
 WIDTHS = (2, 4, 8)
 STACK_STEP = 8  # stack sizes are rounded up, so that most trees share one compiled program
 LARGEST = 1e12  # coordinate: the triangle test multiplies three lengths
-SLIVER = 2e-7  # sine of the angle below which a triangle's float32 normal is rounding noise
+SLIVER = 1.7  # roundings: the sine of the angle below which a triangle's normal is noise
 
 
 @dataclass(frozen=True, eq=False)
 class Bvh:
     """What the device needs to trace rays.
 
-    ``nodes`` is (n, 8, width) float32: rows 0 to 2 the children's low corners, 3 to 5 the high corners, row 6 the
-    children as int32 (an inner node's index, or ~index of a leaf), row 7 unused. ``leaves`` is (m, 10, width) float32:
-    x, y, z of the three corners, then the triangle's number as int32. ``depth`` counts levels of nodes.
+    ``nodes`` is (n, 8, width) float32 or float64: rows 0 to 2 the children's low corners, 3 to 5 the high corners, row 6
+    the children as integers of that size (an inner node's index, or ~index of a leaf), row 7 unused. ``leaves`` is
+    (m, 10, width): x, y, z of the three corners, then the triangle's number. ``depth`` counts levels of nodes.
     """
 
     nodes: np.ndarray
@@ -35,21 +35,23 @@ class Bvh:
     width: int
     depth: int
 
-    def defines(self) -> dict[str, int]:
-        """The constants that traverse.cl is compiled with: BVH_WIDTH and BVH_STACK_SIZE."""
+    def defines(self) -> dict[str, Any]:
+        """The constants that traverse.cl is compiled with."""
         needed = (self.width - 1) * self.depth + 1  # each level leaves at most width - 1 siblings waiting
-        return {"BVH_WIDTH": self.width, "BVH_STACK_SIZE": -(-needed // STACK_STEP) * STACK_STEP}
+        double = self.nodes.dtype == np.float64
+        return {"BVH_WIDTH": self.width, "BVH_STACK_SIZE": -(-needed // STACK_STEP) * STACK_STEP, "BVH_DOUBLE": double,
+                "BVH_REAL": "double" if double else "float", "BVH_INTEGER": "long" if double else "int"}  # fmt: skip
 
 
-def build(vertices: Any, faces: Any, width: int = 8) -> Bvh:
-    """The tree over ``faces`` (m, 3) of ``vertices`` (n, 3), both checked.
+def build(vertices: Any, faces: Any, width: int = 8, dtype: Any = np.float32) -> Bvh:
+    """The tree over ``faces`` (m, 3) of ``vertices`` (n, 3), both checked, for rays in ``dtype`` (float32 or float64).
 
     Triangles without area are left out: no ray hits them. Raises PylmcError for wrong shapes, non-finite vertices,
     an empty mesh, faces that name missing vertices, or an unknown width.
     """
     if width not in WIDTHS:
         raise PylmcError(f"BVH width {width!r}: use 2, 4 or 8")
-    vertices, faces = check_mesh(vertices, faces)
+    vertices, faces = check_mesh(vertices, faces, dtype)
     corners = vertices[faces]
     kept = np.flatnonzero(_has_area(corners)).astype(np.int32)
     if len(kept) == 0:
@@ -59,18 +61,18 @@ def build(vertices: Any, faces: Any, width: int = 8) -> Bvh:
     tree = grow(boxes, width)
     nodes, leaf_nodes, depth = collapse(tree, width)
     ids = _leaf_ids(tree, leaf_nodes, width)
-    leaves = np.zeros((len(ids), 10, width), dtype=np.float32)
+    leaves = np.zeros((len(ids), 10, width), dtype=vertices.dtype)
     lanes = ids >= 0
     triangle = np.where(lanes, kept[ids], -1)
     leaves[:, :9] = np.where(lanes[:, None], corners.reshape(-1, 9)[triangle].transpose(0, 2, 1), 0)
-    leaves[:, 9] = triangle.astype(np.int32).view(np.float32)
+    leaves[:, 9] = as_reals(triangle, vertices.dtype)
     return Bvh(nodes, leaves, width, depth)
 
 
-def check_mesh(vertices: Any, faces: Any) -> tuple[np.ndarray, np.ndarray]:
-    """(vertices float32, faces int32), contiguous, or a PylmcError that says what is wrong with them."""
+def check_mesh(vertices: Any, faces: Any, dtype: Any = np.float32) -> tuple[np.ndarray, np.ndarray]:
+    """(vertices of ``dtype``, faces int32), contiguous, or a PylmcError that says what is wrong with them."""
     try:
-        vertices = np.ascontiguousarray(vertices, dtype=np.float32)
+        vertices = np.ascontiguousarray(vertices, dtype=dtype)
         numbers = np.asarray(faces)
         faces = np.ascontiguousarray(numbers, dtype=np.int32)
     except (TypeError, ValueError) as error:
@@ -95,12 +97,12 @@ def check_mesh(vertices: Any, faces: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _has_area(corners: np.ndarray) -> np.ndarray:
-    """Whether each triangle's normal means something in float32."""
+    """Whether each triangle's normal means something in the corners' own number type."""
     a, b = (corners[:, i].astype(np.float64) - corners[:, 0] for i in (1, 2))
     normal = np.sqrt((np.cross(a, b) ** 2).sum(axis=1))
     longest = np.sqrt(np.maximum((a**2).sum(axis=1), (b**2).sum(axis=1)))
     shortest = np.sqrt(np.minimum((a**2).sum(axis=1), (b**2).sum(axis=1)))
-    return normal > SLIVER * longest * shortest
+    return normal > SLIVER * np.finfo(corners.dtype).eps * longest * shortest
 
 
 def _boxes(corners: np.ndarray) -> np.ndarray:
@@ -108,7 +110,8 @@ def _boxes(corners: np.ndarray) -> np.ndarray:
 
     The pad covers the rounding of the triangle test, and gives flat boxes an inside for rays that lie in their plane.
     """
-    pad = np.float32(2.0**-22) * np.abs(corners).max() + np.finfo(np.float32).tiny
+    kind = np.finfo(corners.dtype)
+    pad = 2 * kind.eps * np.abs(corners).max() + kind.tiny
     low, high = corners.min(axis=1) - pad, corners.max(axis=1) + pad
     return np.ascontiguousarray(np.concatenate((low, -high), axis=1).T)
 

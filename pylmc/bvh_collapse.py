@@ -24,19 +24,24 @@ def collapse(tree: BinaryTree, width: int) -> tuple[np.ndarray, np.ndarray, int]
         used = slots >= 0
         inner = used & (tree.left[slots] >= 0)
         leaf = used & ~inner
-        child = np.full(slots.shape, ~0, dtype=np.int32)  # an unused lane names a leaf that exists
+        child = np.full(slots.shape, ~0, dtype=np.int64)  # an unused lane names a leaf that exists
         child[inner] = next_node + np.arange(int(inner.sum()))
         child[leaf] = ~(next_leaf + np.arange(int(leaf.sum())))
-        nodes = np.zeros((len(slots), 8, width), dtype=np.float32)
+        nodes = np.zeros((len(slots), 8, width), dtype=tree.box.dtype)
         nodes[:, 0:3] = np.where(used, tree.box[:3][:, slots], np.inf).transpose(1, 0, 2)
         nodes[:, 3:6] = np.where(used, -tree.box[3:][:, slots], -np.inf).transpose(1, 0, 2)
-        nodes[:, 6] = child.view(np.float32)
+        nodes[:, 6] = as_reals(child, tree.box.dtype)
         levels.append(nodes)
         frontier = slots[inner]
         leaf_nodes.append(slots[leaf])
         next_node += len(frontier)
         next_leaf += int(leaf.sum())
     return np.concatenate(levels), np.concatenate(leaf_nodes), len(levels)
+
+
+def as_reals(integers: np.ndarray, dtype: np.dtype) -> np.ndarray:
+    """The bits of integers as floats of ``dtype``, so that both can lie in one array."""
+    return integers.astype(np.int64 if dtype == np.float64 else np.int32).view(dtype)
 
 
 def _levels(tree: BinaryTree) -> list[np.ndarray]:

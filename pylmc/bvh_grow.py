@@ -54,9 +54,9 @@ def _best_splits(
     empty = cuts[:, 1:] == cuts[:, :-1]
     on_left = cuts[:, 1:-1]
     weight_left, weight_right = _weight(on_left, width), _weight(count[:, None] - on_left, width)
-    best = np.full(len(start), np.inf, dtype=np.float32)
+    best = np.full(len(start), np.inf, dtype=box.dtype)
     axis_of, left_of = np.zeros(len(start), dtype=np.int64), np.ones(len(start), dtype=np.int64)
-    boxes = np.zeros((2, 6, len(start)), dtype=np.float32)
+    boxes = np.zeros((2, 6, len(start)), dtype=box.dtype)
     for axis, order in enumerate(orders):
         parts = np.minimum.reduceat(np.take(box, order, axis=1), starts, axis=1).reshape(6, len(start), bins)
         parts[:, empty] = np.inf

@@ -283,8 +283,6 @@ def check_output(path: Path, endings: tuple[str, ...] = (".exr",)) -> Path:
 
 
 def _refuse_contradictions(options: argparse.Namespace) -> None:
-    if options.precision != "single":
-        raise PylmcError(f"--precision {options.precision} is not available yet: use --precision single")
     if options.integrator != "lmc":
         for name in ("chart", "coordinates", "rule", "drift"):
             if getattr(options, name) is not None:
@@ -371,7 +369,9 @@ def _parser() -> argparse.ArgumentParser:
                         help="cpu, gpu, an index or part of a name, as `pylmc devices` shows them (default: "
                              "PYOPENCL_CTX if set, else the first GPU, else the first CPU)")  # fmt: skip
     render.add_argument("--precision", choices=PRECISIONS, default="single",
-                        help="of the arithmetic (default: single; the others are not available yet)")  # fmt: skip
+                        help="single (the fastest), mixed (rays in float32, all else in float64, or in pairs of floats "
+                             "where the device has no 64-bit floats), double (all in float64), float-float (mixed by "
+                             "pairs of floats) (default: single)")  # fmt: skip
     render.add_argument("--integrator", choices=INTEGRATORS, default="lmc",
                         help="Markov chains (lmc), their independent bidirectional sampler alone (bdpt), or a "
                              "unidirectional path tracer (path) (default: lmc)")  # fmt: skip

@@ -18,6 +18,7 @@ from .errors import PylmcError
 from .evenness import GRID
 from .materials import Diffuse, Material, MetallicRoughness, RoughConductor, RoughDielectric, Texture
 from .objects import SceneObject, find_objects
+from .precision import nominal, real_fields
 from .preconditioner import NARROW_ALPHA, ConstraintPlan, plan_constraints, roughness
 from .scene import Scene, Shape
 from .statistics import LUMINANCE
@@ -46,8 +47,16 @@ def power_of_two(value: float) -> float:
     return float(2.0 ** np.floor(np.log2(value)))
 
 
-def compile_scene(scene: Scene) -> CompiledScene:
-    """Everything the kernels need of ``scene``. Raises PylmcError for what float32 or the kernels cannot hold."""
+# Arrays that keep the type they were made with: the tree's and those that are single precision by nature.
+FIXED_ARRAYS = ("nodes", "leaves", "texels", "evenness")
+
+
+def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
+    """Everything the kernels need of ``scene``, with reals rounded as ``precision`` holds them (see pylmc.precision).
+
+    Raises PylmcError for what the number type or the kernels cannot hold.
+    """
+    kind = nominal(precision)
     vertices = np.concatenate([np.asarray(shape.mesh.vertices, dtype=np.float64) for shape in scene.shapes])
     counts = [len(shape.mesh.vertices) for shape in scene.shapes]
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
@@ -79,9 +88,9 @@ def compile_scene(scene: Scene) -> CompiledScene:
     triangles["emitter"] = lights["emitter_of_shape"][shape_of]
     triangles["smooth"] = smooth[shape_of]
 
-    tree = bvh.build(vertices.astype(np.float32), faces.astype(np.int32))
+    tree = bvh.build(vertices, faces.astype(np.int32), dtype=kind.trace_dtype)
     arrays = {
-        "nodes": tree.nodes, "leaves": tree.leaves, "vertices": vertices.astype(np.float32),
+        "nodes": tree.nodes, "leaves": tree.leaves, "vertices": vertices,
         "faces": faces.astype(np.int32), "normals": _per_vertex(scene.shapes, counts, 3, Shape.vertex_normals),
         "uvs": _per_vertex(scene.shapes, counts, 2, lambda shape: shape.uv if shape.textured else None),
         "triangles": triangles, "materials": materials, **textures, "objects": _objects(objects, plan, scale),
@@ -90,6 +99,8 @@ def compile_scene(scene: Scene) -> CompiledScene:
         "apertures": _apertures(plan, centre, scale), "targets": _targets(plan, objects, centre, scale),
         "camera": _camera(scene, centre, scale), "evenness": np.ones((GRID, GRID), np.float32),
     }  # fmt: skip
+    for name in arrays.keys() - set(FIXED_ARRAYS):
+        arrays[name] = arrays[name].astype(real_fields(arrays[name].dtype, kind.host), copy=False)
     kinds = [shape.material for shape in scene.shapes]
     glossy = [alpha for alpha in map(roughness, kinds) if alpha is not None]
     features = tree.defines() | {
@@ -109,9 +120,9 @@ def _per_vertex(shapes: Sequence[Shape], counts: list[int], width: int, get: Any
     """A vertex attribute over all shapes, zero where a shape has none; empty where none has it."""
     values = [get(shape) for shape in shapes]
     if all(value is None for value in values):
-        return np.zeros((0, width), np.float32)
+        return np.zeros((0, width))
     filled = [np.zeros((n, width)) if value is None else value for value, n in zip(values, counts, strict=True)]
-    return np.ascontiguousarray(np.concatenate(filled), dtype=np.float32)
+    return np.ascontiguousarray(np.concatenate(filled), dtype=np.float64)
 
 
 def _material_record(material: Material, textures: list[Texture]) -> np.ndarray:
@@ -203,7 +214,7 @@ def _lights(scene: Scene, areas: np.ndarray, shape_of: np.ndarray, centre: np.nd
     emitters["density"] = density
     cdf = np.cumsum(areas[emitting] * density[emitter_of_shape[shape_of[emitting]]])
     return {
-        "points": points, "emitters": emitters, "emitter_cdf": cdf.astype(np.float32),
+        "points": points, "emitters": emitters, "emitter_cdf": cdf,
         "emitter_triangles": emitting.astype(np.int32), "emitter_of_shape": emitter_of_shape,
         "radiance_scale": 1 / exposure,
     }  # fmt: skip

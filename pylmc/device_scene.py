@@ -11,9 +11,10 @@ import numpy as np
 import pyopencl as cl
 
 from . import evenness, layout, program, structs
-from .compiled import CompiledScene
+from .compiled import FIXED_ARRAYS, CompiledScene
 from .devices import context_and_queue, select
 from .errors import PylmcError
+from .precision import on_device, real_fields
 from .settings import Settings
 
 # Private memory of one work-item is several kilobytes; PoCL keeps a whole work-group's on a thread's stack.
@@ -35,9 +36,10 @@ class DeviceScene:
     there is no such device or the scene does not fit into its memory.
     """
 
-    def __init__(self, compiled: CompiledScene, settings: Settings, device: Any = None) -> None:
+    def __init__(self, compiled: CompiledScene, settings: Settings, device: Any = None, precision: str = "single") -> None:
         self.compiled, self.settings = compiled, settings
         self.device = device if isinstance(device, cl.Device) else select(device)
+        self.precision = on_device(precision, self.device)
         self.context, self.queue = context_and_queue(self.device)
         self.compile_seconds = 0.0
         self._programs: dict[str, cl.Program] = {}
@@ -46,20 +48,25 @@ class DeviceScene:
         for name, fields in layout.SCENE_STRUCTS.items():
             self._declare(name, fields)
         self._declare("ChainStart", layout.CHAIN_START)
-        vertex = self._declare("ChainVertex", layout.CHAIN_VERTEX)
+        # pyopencl knows a nested struct by one name and one set of fields: each number type needs its own
+        vertex_name = f"ChainVertex_{self.precision.real}"
+        vertex = self._declare(vertex_name, layout.CHAIN_VERTEX)
+        self._declarations.append(f"typedef {vertex_name} ChainVertex;")
         self._declare("ChainState", layout.chain_state(settings.max_depth, vertex))
         self._declare("ChainCounters", layout.chain_counters(settings.max_depth))
         self.buffers = [self._upload_scene_array(name, struct) for name, struct in SCENE_ARGUMENTS.items()]
 
     def _declare(self, name: str, fields: Any) -> np.dtype:
-        dtype, declaration = structs.declare(self.device, name, np.dtype(fields))
+        dtype, declaration = structs.declare(self.device, name, real_fields(fields, self.precision.device))
         self.dtypes[name] = dtype
         self._declarations.append(declaration)
         return dtype
 
     def _upload_scene_array(self, name: str, struct: str | None) -> cl.Buffer:
         array = self.compiled.arrays[name]
-        return self.upload(array if struct is None else array.astype(self.dtypes[struct]))
+        if struct is not None:
+            return self.upload_struct(array, struct)
+        return self.upload(array if name in FIXED_ARRAYS else self.precision.to_device(array))
 
     def upload(self, array: np.ndarray) -> cl.Buffer:
         """A device buffer with the array's content; one byte or more even where it is empty."""
@@ -106,7 +113,8 @@ class DeviceScene:
             defines = {**features, **self.settings.defines(), "HAS_DEVIATION": deviates,
                        "EVENNESS_GRID": evenness.GRID, **extra}
             with self.compiling():
-                self._programs[key] = program.build(self.context, source, defines=defines, structs=self._declarations)
+                self._programs[key] = program.build(self.context, source, defines=defines, structs=self._declarations,
+                                                     real=self.precision.real)
         return cl.Kernel(self._programs[key], name)
 
     def launch(self, kernel: cl.Kernel, count: int, *arguments: Any) -> None:
@@ -119,3 +127,23 @@ class DeviceScene:
         array = np.empty(shape, dtype)
         cl.enqueue_copy(self.queue, array, buffer)
         return array
+
+    def read_struct(self, buffer: cl.Buffer, name: str, count: int) -> np.ndarray:
+        """The buffer's ``count`` structs of this name, their reals as the host's numbers."""
+        return self.precision.to_host(self.read(buffer, self.dtypes[name], count))
+
+    def upload_struct(self, array: np.ndarray, name: str) -> cl.Buffer:
+        """A device buffer of structs of this name with the array's content."""
+        return self.upload(self.precision.to_device(array).astype(self.dtypes[name]))
+
+    def upload_reals(self, array: Any) -> cl.Buffer:
+        """A device buffer of ``real`` with the array's numbers."""
+        return self.upload(self.precision.to_device(np.asarray(array, np.float64)))
+
+    def zero_reals(self, count: int) -> cl.Buffer:
+        """A device buffer of ``count`` zeros of type ``real``."""
+        return self.zeros(count * self.precision.device.itemsize)
+
+    def read_reals(self, buffer: cl.Buffer, shape: Any) -> np.ndarray:
+        """Wait for the queue and copy a buffer of ``real`` to a new array of the host's numbers."""
+        return self.precision.to_host(self.read(buffer, self.precision.device, shape))

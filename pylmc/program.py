@@ -19,11 +19,14 @@ import numpy as np
 import pyopencl as cl
 
 from .errors import PylmcError
+from .precision import REALS
 
 _INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 # "traverse.cl:12:5: error: ..." as clang, Intel and NVIDIA write it, or PoCL's "error: traverse.cl:12:5: ..."
 _PLACE = r"([\w./-]+\.(?:cl|h)|<\w+>):(\d+)(?::\d+)?:"
 _ERROR = re.compile(rf"{_PLACE} (?:fatal )?error:? (.*)|error: {_PLACE} (.*)")
+# An unsuffixed floating literal, which the kernels write for numbers of type `real`.
+_LITERAL = re.compile(r"(?<![\w.])(\d+\.\d*(?:e[-+]?\d+)?|\d+e[-+]?\d+)(?![\w.])")
 _LOG_HEAD = 20  # lines of the compiler's log that an error message quotes
 
 
@@ -123,23 +126,33 @@ def build(
     defines: Mapping[str, object],
     structs: Sequence[str] = (),
     options: Sequence[str] = (),
+    real: str | None = None,
 ) -> cl.Program:
     """Kernel source ``main`` compiled for the devices of ``context``.
 
     ``defines`` become ``#define`` lines, sorted, with values written by :func:`literal`; ``structs`` are C declarations
-    (see :mod:`pylmc.structs`) placed before the source. Contraction of ``a * b + c`` is off, so devices differ by
-    their built-in functions at most. Raises PylmcError with the device, the first error's file and line, and the log's head.
+    (see :mod:`pylmc.structs`) placed before the source. ``real`` is the kernels' number type, "float", "double" or "pair"
+    (see :mod:`pylmc.precision`), which literals without a suffix become as well; None for a source that has no reals.
+    Contraction of ``a * b + c`` is off, so devices differ by their built-in functions at most. Raises PylmcError with the
+    device, the first error's file and line, and the log's head.
     """
+    constants, types = dict(defines), ""
+    if real is not None:
+        constants |= {f"REAL_{name.upper()}": i for i, name in enumerate(REALS)} | {"REAL": REALS.index(real)}
+        types = source("float_float.cl" if real == "pair" else "real.cl")
     text = "\n".join(
         [
             "#pragma OPENCL FP_CONTRACT OFF",
             '#line 1 "<defines>"',
-            *(f"#define {name} {literal(defines[name])}" for name in sorted(defines)),
+            *(f"#define {name} {literal(constants[name])}" for name in sorted(constants)),
+            types,
             '#line 1 "<structs>"',
-            *structs,
+            *(declaration.replace("ulong", "real") if real == "pair" else declaration for declaration in structs),
             source(main),
         ]
     )
+    if real == "float":
+        text = _LITERAL.sub(r"\1f", text)
     with quiet():
         try:
             return cl.Program(context, text).build(options=list(options))

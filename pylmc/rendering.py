@@ -25,7 +25,7 @@ from .integrators.lmc import LangevinMonteCarlo
 from .integrators.path import PathTracer
 from .sampler import Sampler
 from .scene import Scene
-from .settings import DEFAULT_SECONDS, INTEGRATORS, check_precision
+from .settings import DEFAULT_SECONDS, INTEGRATORS
 from .statistics import LUMINANCE, relative_error
 
 BATCHES = 16  # the error estimate compares this many parts of the run
@@ -112,13 +112,12 @@ def render(
     ``diagnostics["interrupted"]`` set. Raises PylmcError for bad arguments, an unusable device, or a scene without light.
     """
     check_choice("integrator", integrator, INTEGRATORS)
-    check_precision(precision)
     _check_budget(seconds, mutations_per_pixel)
     seed = check_integer("seed", seed, 0, 2**32 - 1)
     if seconds is None and mutations_per_pixel is None:
         seconds = DEFAULT_SECONDS
-    sampler = Sampler(scene, device=device, max_depth=max_depth, chart=chart, coordinates=coordinates, rule=rule,
-                      drift=drift, **settings)  # fmt: skip
+    sampler = Sampler(scene, device=device, precision=precision, max_depth=max_depth, chart=chart, coordinates=coordinates,
+                      rule=rule, drift=drift, **settings)  # fmt: skip
     kinds: dict[str, Any] = {"lmc": LangevinMonteCarlo, "bdpt": Bidirectional, "path": PathTracer}
     worker: Integrator = kinds[integrator](sampler)
     with _gentle_interrupt() as asked:

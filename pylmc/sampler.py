@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from . import layout
 from .checks import check_integer
 from .compiled import compile_scene
 from .device_scene import DeviceScene
@@ -18,7 +19,7 @@ from .errors import PylmcError
 from .evenness import GRID, even_weights
 from .groups import Group
 from .scene import Scene
-from .settings import Settings, check_precision
+from .settings import Settings
 from .states import Counters, States
 
 STEPS_PER_LAUNCH = 32
@@ -34,7 +35,6 @@ class Sampler:
     """
 
     def __init__(self, scene: Scene, *, device: Any = None, precision: str = "single", **settings: Any) -> None:
-        check_precision(precision)
         unknown = sorted(set(settings) - set(Settings.names()))
         if unknown:
             raise PylmcError(f"unknown setting '{unknown[0]}'; choose from {', '.join(Settings.names())}")
@@ -43,8 +43,8 @@ class Sampler:
         self.scene = scene
         self.settings = Settings(**settings)
         start = time.perf_counter()
-        self.compiled = compile_scene(scene)
-        self.device_scene = DeviceScene(self.compiled, self.settings, device)
+        self.compiled = compile_scene(scene, precision)
+        self.device_scene = DeviceScene(self.compiled, self.settings, device, precision)
         self.seconds = {"build": time.perf_counter() - start, "bootstrap": 0.0, "run": 0.0}
         self.groups: list[Group] = []
         self.dark_groups: list[str] = []  # those in which the start found no light
@@ -91,7 +91,7 @@ class Sampler:
         kernel = self.device_scene.kernel("bootstrap.cl", "weigh_candidates")
         start = time.perf_counter()
         device = self.device_scene
-        out, out_positions = device.zeros(4 * CANDIDATES_PER_LAUNCH), device.zeros(8 * CANDIDATES_PER_LAUNCH)
+        out, out_positions = device.zero_reals(CANDIDATES_PER_LAUNCH), device.zero_reals(2 * CANDIDATES_PER_LAUNCH)
         for group in groups:
             parts, places = [], []
             for first in range(0, candidates, CANDIDATES_PER_LAUNCH):
@@ -99,8 +99,8 @@ class Sampler:
                 device.launch(kernel, count, np.uint32(seed), np.uint32(group.slot), np.int32(group.length),
                               np.int32(group.ending), np.uint32(numbers_from + first), np.uint32(count), out,
                               out_positions)  # fmt: skip
-                parts.append(device.read(out, np.float32, CANDIDATES_PER_LAUNCH)[:count])
-                places.append(device.read(out_positions, np.float32, (CANDIDATES_PER_LAUNCH, 2))[:count])
+                parts.append(device.read_reals(out, CANDIDATES_PER_LAUNCH)[:count])
+                places.append(device.read_reals(out_positions, (CANDIDATES_PER_LAUNCH, 2))[:count])
             group.log_weights = np.concatenate(parts).astype(np.float64)
             group.positions = np.concatenate(places)
             group.weighed = candidates
@@ -132,7 +132,7 @@ class Sampler:
             weights = np.exp(group.log_weights - group.log_weights.max())
             points = (np.arange(group.chains) + rng.random()) / group.chains * weights.sum()
             chosen = np.minimum(np.searchsorted(np.cumsum(weights), points, side="right"), len(weights) - 1)
-            part = np.zeros(group.chains, self.device_scene.dtypes["ChainStart"])
+            part = np.zeros(group.chains, layout.CHAIN_START)
             part["group"], part["slot"], part["number"] = group.slot, slot, chosen
             part["length"], part["ending"] = group.length, group.ending
             starts.append(part)
@@ -144,7 +144,8 @@ class Sampler:
         self._counters = device.zeros(first * dtypes["ChainCounters"].itemsize)
         self._film = device.zeros(len(groups) * self.film_pixels * 24)
         kernel = device.kernel("bootstrap.cl", "start_chains")
-        device.launch(kernel, first, np.uint32(seed), np.uint32(first), device.upload(np.concatenate(starts)), self._states)
+        table = device.upload_struct(np.concatenate(starts), "ChainStart")
+        device.launch(kernel, first, np.uint32(seed), np.uint32(first), table, self._states)
         self._kernel = device.kernel("chains.cl", "run_chains")
         with device.compiling():
             self._launch(0)
@@ -191,7 +192,7 @@ class Sampler:
         """Read and clear the chains' counters; large steps refine each group's b."""
         self._check_started()
         device = self.device_scene
-        counts = device.read(self._counters, device.dtypes["ChainCounters"], self.chains)
+        counts = device.read_struct(self._counters, "ChainCounters", self.chains)
         device.clear(self._counters)
         for group in self.groups:
             part = counts[group.first : group.first + group.chains]
@@ -226,14 +227,16 @@ class Sampler:
                   "densities": (2,), "factors": (2 * k, 2 * k),
                   "gradients": (2 * k,)}  # fmt: skip
         arrays = {name: np.full((chains, *shape), -1, np.int32) if name in ("kinds", "lobes")
-                  else np.full((chains, *shape), np.nan, np.float32) for name, shape in shapes.items()}  # fmt: skip
+                  else np.full((chains, *shape), np.nan) for name, shape in shapes.items()}  # fmt: skip
         arrays["factors"][:] = 0
-        buffers = [device.upload(array) for array in arrays.values()]
+        buffers = [device.upload(device.precision.to_device(array)) for array in arrays.values()]
         kernel = device.kernel("inspect.cl", "describe_chains")
         device.launch(kernel, chains, np.uint32(chains), self._states, np.int32(block), *buffers)
         for name, buffer in zip(arrays, buffers, strict=True):
-            arrays[name] = device.read(buffer, arrays[name].dtype, arrays[name].shape)
-        raw = device.read(self._states, device.dtypes["ChainState"], chains)
+            whole = arrays[name].dtype == np.int32
+            shape = arrays[name].shape
+            arrays[name] = device.read(buffer, np.int32, shape) if whole else device.read_reals(buffer, shape)
+        raw = device.read_struct(self._states, "ChainState", chains)
         nodes = arrays["nodes"] * self.compiled.scale + self.compiled.centre
         return States(raw["length"], raw["ending"], arrays["directions"][:, 0], nodes, arrays["directions"],
                       arrays["deviations"], arrays["lobes"], arrays["kinds"], arrays["densities"][:, 0],
@@ -243,9 +246,9 @@ class Sampler:
         """Where displacements (chains, 2 K) in the chains' charts lead: nodes (scaled units) and directions; NaN: nowhere."""
         self._check_started()
         device, k = self.device_scene, self.settings.max_depth
-        out = np.full((self.chains, k, 3), np.nan, np.float32)
-        nodes, directions = device.upload(out), device.upload(out)
+        shape = (self.chains, k, 3)
+        nodes, directions = (device.upload_reals(np.full(shape, np.nan)) for _ in range(2))
         kernel = device.kernel("inspect.cl", "displace_chains")
         device.launch(kernel, self.chains, np.uint32(self.chains), self._states, np.int32(block),
-                      device.upload(np.ascontiguousarray(deltas, np.float32)), nodes, directions)  # fmt: skip
-        return device.read(nodes, np.float32, out.shape), device.read(directions, np.float32, out.shape)
+                      device.upload_reals(deltas), nodes, directions)  # fmt: skip
+        return device.read_reals(nodes, shape), device.read_reals(directions, shape)

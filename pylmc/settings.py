@@ -14,7 +14,7 @@ RULES = ("sum", "mean", "rms")
 AIMS = ("everywhere", "light")
 PROJECTIONS = ("normalise", "orthographic")
 INTEGRATORS = ("lmc", "bdpt", "path")
-PRECISIONS = ("single", "mixed", "double")
+PRECISIONS = ("single", "mixed", "double", "float-float")
 MAX_DEPTH = 32
 DEFAULT_SECONDS = 60.0  # of a render that is given neither time nor mutations
 
@@ -84,9 +84,3 @@ class Settings:
         """The names of all settings."""
         return tuple(field.name for field in fields(cls))
 
-
-def check_precision(precision: str) -> None:
-    """Only single precision exists yet; say so rather than render in another one."""
-    check_choice("precision", precision, PRECISIONS)
-    if precision != "single":
-        raise PylmcError(f"precision '{precision}' is not available yet; use 'single'")

@@ -20,9 +20,10 @@ def build_probe(device: DeviceScene, text: str, name: str, **extra: Any) -> cl.K
     """Kernel ``name`` of the source ``text``, whose ``#include`` lines find the package's kernels."""
     lines: list[str] = []
     program._expand("probe.cl", text, set(), lines)
-    with patch.object(program, "source", lambda _: "\n".join(lines) + "\n"):
-        # a device scene keeps its programs by name: the text must take part in it
-        return device.kernel(f"probe {hash(text)}", name, **extra)
+    # a device scene keeps its programs by name: the text must take part in it
+    probe, original = f"probe {hash(text)}", program.source
+    with patch.object(program, "source", lambda wanted: "\n".join(lines) + "\n" if wanted == probe else original(wanted)):
+        return device.kernel(probe, name, **extra)
 
 
 @contextmanager

@@ -131,7 +131,7 @@ def test_without_budget_or_with_two(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 REFUSED = {
-    "integrator": ({"integrator": "pt"}, "integrator"), "precision": ({"precision": "double"}, "not available yet"),
+    "integrator": ({"integrator": "pt"}, "integrator"), "precision": ({"precision": "half"}, "half"),
     "seconds": ({"mutations_per_pixel": None, "seconds": float("nan")}, "seconds"),
     "mutations": ({"mutations_per_pixel": -1}, "mutations_per_pixel"), "seed": ({"seed": -1}, "seed"),
     "depth": ({"max_depth": 0}, "max_depth"), "chart": ({"chart": "polar"}, "chart"), "rule": ({"rule": "max"}, "rule"),

@@ -39,7 +39,6 @@ BAD = {
     "negative seed": (["render", "box", "--seed", "-1"], "seed"),
     "unknown device": (["render", "box", "--device", "abacus"], "abacus"),
     "device out of range": (["render", "box", "--device", "99"], "99"),
-    "precision to come": (["render", "box", "--precision", "double"], "not available yet"),
     "unknown precision": (["render", "box", "--precision", "half"], "half"),
     "unknown integrator": (["render", "box", "--integrator", "pt"], "pt"),
     "chain option without chain": (["render", "box", "--integrator", "path", "--drift"], "--drift"),

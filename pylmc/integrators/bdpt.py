@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pyopencl as cl
 
+from .. import layout
 from ..groups import Group
 from ..sampler import FILM_SCALE, STEPS_PER_LAUNCH, Sampler
 from ..statistics import LUMINANCE, BatchMeans
@@ -41,14 +42,14 @@ class Bidirectional:
         shares = np.maximum(spreads, floor)
         for group, share in zip(self.groups, shares / shares.sum(), strict=True):
             group.first, group.chains = first, max(round(float(streams * share)), 8)
-            part = np.zeros(group.chains, device.dtypes["ChainStart"])
+            part = np.zeros(group.chains, layout.CHAIN_START)
             part["length"], part["ending"], part["slot"] = group.length, group.ending, group.slot
             part["scale"] = 1 / max(group.b, 1e-6 * max(g.b for g in self.groups))
             parts.append(part)
             first += group.chains
         self.streams = first
         self.scales = np.array([part["scale"][0] for part in parts], dtype=np.float64)
-        self._table = device.upload(np.concatenate(parts))
+        self._table = device.upload_struct(np.concatenate(parts), "ChainStart")
         self._counters = device.zeros(first * device.dtypes["ChainCounters"].itemsize)
         self._film = device.zeros(len(self.groups) * self.sampler.film_pixels * 24)
         self._kernel = device.kernel("bdpt.cl", "render_independent")
@@ -67,7 +68,7 @@ class Bidirectional:
         device = self.sampler.device_scene
         start = time.perf_counter()
         self._launch(STEPS_PER_LAUNCH)
-        counts = device.read(self._counters, device.dtypes["ChainCounters"], self.streams)
+        counts = device.read_struct(self._counters, "ChainCounters", self.streams)
         device.clear(self._counters)
         self.rays += int(counts["rays"].sum(dtype=np.int64))
         self.not_finite += int(counts["not_finite"].sum(dtype=np.int64))

@@ -30,7 +30,7 @@ class PathTracer:
         device = self.sampler.device_scene
         self.seed = seed
         self.sampler.weigh(1 << 12 if quick else 1 << 14, seed)  # refuses a scene in which no light path can be found
-        self._film = device.zeros(self.sampler.film_pixels * 12)
+        self._film = device.zero_reals(self.sampler.film_pixels * 3)
         streams = min(self.sampler.film_pixels, PIXELS_PER_LAUNCH)
         self._counters = device.zeros(streams * device.dtypes["ChainCounters"].itemsize)
         # a plain path tracer does not aim at holes
@@ -65,10 +65,10 @@ class PathTracer:
     def _collect(self) -> None:
         """Move the device's float32 sums to the host's float64 ones before they lose digits."""
         device = self.sampler.device_scene
-        self._sum += device.read(self._film, np.float32, self._sum.shape)
+        self._sum += device.read_reals(self._film, self._sum.shape)
         device.clear(self._film)
-        counters = device.dtypes["ChainCounters"]
-        counts = device.read(self._counters, counters, self._counters.size // counters.itemsize)
+        size = self._counters.size // device.dtypes["ChainCounters"].itemsize
+        counts = device.read_struct(self._counters, "ChainCounters", size)
         device.clear(self._counters)
         self.rays += int(counts["rays"].sum(dtype=np.int64))
         self._pending = 0
