@@ -1,7 +1,6 @@
 // The chains laid open, for the Sampler's arrays and for tests: nodes, directions, deviations, densities, the factor L, and
-// where a given displacement in the charts leads.
-#include "chain_state.cl"
-#include "small_step.cl"
+// where a given displacement in the charts or one step of the chain leads.
+#include "markov_step.cl"
 
 // block: how many leading directions; 0: all free ones.
 PATH_KERNEL void describe_chains(SCENE_PARAMETERS, uint chains, __global const ChainState *states, int block, __global real *node_out,
@@ -62,5 +61,40 @@ PATH_KERNEL void displace_chains(SCENE_PARAMETERS, uint chains, __global const C
         size_t at = (size_t)index * MAX_DEPTH + i - 1;
         vstore3(ok ? moved.vertex[i].x : (real3)(NAN), at, node_out);
         vstore3(ok ? moved.vertex[i].v : (real3)(NAN), at, directions);
+    }
+}
+
+// One step of each chain, which stay as they are: what was drawn, proposed and decided. drawn: its move and outcome; numbers:
+// h, log p(X^|X), log p(X|X^), log of the target, acceptance, and the number that it was compared with.
+PATH_KERNEL void try_step(SCENE_PARAMETERS, uint seed, ulong step, uint chains, float p_large, float log_h_min, float log_h_max,
+                          __global const ChainState *states, __global int *drawn, __global real *numbers,
+                          __global real *xi_out, __global real *node_out, __global real *directions, __global int *lobes, __global int *triangles_met) {
+    uint index = get_global_id(0);
+    if (index >= chains) return;
+    Scene scene = SCENE_BUNDLE;
+    Path path, proposal;
+    load_path(&scene, &states[index], &path);
+    real log_p = states[index].log_p;
+    Rng rng = rng_open(seed, index, step, PURPOSE_CHAIN);
+    MarkovStep taken;
+    markov_step(&scene, &path, states[index].log_i, &log_p, p_large, log_h_min, log_h_max, &rng, &proposal, &taken);
+    drawn[2 * index] = taken.move;
+    drawn[2 * index + 1] = taken.outcome;
+    __global real *out = numbers + 6 * index;
+    out[0] = taken.h;
+    out[1] = taken.log_forward;
+    out[2] = taken.log_reverse;
+    out[3] = taken.radiance.log_i;
+    out[4] = taken.acceptance;
+    out[5] = taken.drawn;
+    for (int k = 0; k < 2 * taken.move; k++) xi_out[(size_t)index * 2 * MAX_DEPTH + k] = taken.xi[k];
+    if (taken.outcome == STEP_NO_PATH) return;
+    for (int i = 1; i <= path.length; i++) {
+        size_t at = (size_t)index * MAX_DEPTH + i - 1;
+        vstore3(proposal.vertex[i].x, at, node_out);
+        vstore3(proposal.vertex[i].v, at, directions);
+        bool on_light = path.ending == ENDING_CONNECT && i == path.length;
+        triangles_met[at] = on_light ? -1 : proposal.vertex[i].triangle;
+        lobes[at] = i < path.length ? proposal.vertex[i].lobe : -1;
     }
 }

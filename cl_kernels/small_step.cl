@@ -65,8 +65,10 @@ real joint_log_jacobian(const Path *path, int m) {
     return log(fabs(dot(far->ng, far->v)) / square(far->t));
 }
 
-// Propose y from x by a small step of the block m and length h. log_ratio: log p(X|X^) - log p(X^|X).
-int propose_small(Scene *scene, const Path *x, int m, real h, Rng *rng, Path *y, Radiance *radiance, real *log_ratio) {
+// Propose y from x by a small step of the block m, length h and normal numbers xi. log_forward and log_reverse: log p(X^|X) and
+// log p(X|X^), but for the factor (2 pi)^{-m} h^{-2m} that they share.
+int propose_small(Scene *scene, const Path *x, int m, real h, const real *xi, Path *y, Radiance *radiance, real *log_forward,
+                  real *log_reverse) {
     Chart charts[MAX_DEPTH + 1];
     Factor factor;
     Row gradient;
@@ -74,20 +76,18 @@ int propose_small(Scene *scene, const Path *x, int m, real h, Rng *rng, Path *y,
     if (!charts_of_path(scene, x, m, p, charts)) return STEP_NO_PATH;
     precondition(scene, x, m, p, charts, &factor, &gradient);
     int n = 2 * m;
-    real xi[COLUMNS], delta[COLUMNS];
+    real shift[COLUMNS], delta[COLUMNS];  // in units of xi, and of the charts
     real forward = factor_log_determinant(&factor);
-    for (int k = 0; k < n; k += 2) {
-        real2 normal = rng_normal2(rng);
-        xi[k] = normal.x;
-        xi[k + 1] = normal.y;
-        forward -= 0.5 * dot(normal, normal);
+    for (int k = 0; k < n; k++) {
+        shift[k] = xi[k];
+        forward -= 0.5 * square(xi[k]);
     }
 #if DRIFT
     real drift[COLUMNS];
     scaled_drift(&factor, &gradient, h, drift);
-    for (int k = 0; k < n; k++) xi[k] += drift[k];
+    for (int k = 0; k < n; k++) shift[k] += drift[k];
 #endif
-    factor_solve_transposed(&factor, xi, delta);
+    factor_solve_transposed(&factor, shift, delta);
     for (int k = 0; k < n; k++) delta[k] *= h;
 
     real log_jacobian, log_jacobian_back = 0.0;
@@ -115,15 +115,16 @@ int propose_small(Scene *scene, const Path *x, int m, real h, Rng *rng, Path *y,
         node = x->vertex[j].x;
     }
     precondition(scene, y, m, p_new, charts_new, &factor, &gradient);
-    factor_apply_transposed(&factor, delta, xi);
+    factor_apply_transposed(&factor, delta, shift);
 #if DRIFT
     scaled_drift(&factor, &gradient, h, drift);
-    for (int k = 0; k < n; k++) xi[k] -= drift[k];
+    for (int k = 0; k < n; k++) shift[k] -= drift[k];
 #endif
     real reverse = factor_log_determinant(&factor) - log_jacobian_back - joint_log_jacobian(x, m);
-    for (int k = 0; k < n; k++) reverse -= 0.5 * square(xi[k]);
-    *log_ratio = reverse - forward;
-    return isfinite(*log_ratio) ? STEP_OK : STEP_NOT_FINITE;
+    for (int k = 0; k < n; k++) reverse -= 0.5 * square(shift[k]);
+    *log_forward = forward;
+    *log_reverse = reverse;
+    return isfinite(reverse - forward) ? STEP_OK : STEP_NOT_FINITE;
 }
 
 #endif

@@ -20,7 +20,7 @@ from .evenness import GRID, even_weights
 from .groups import Group
 from .scene import Scene
 from .settings import Settings
-from .states import Counters, States
+from .states import Counters, States, Trial
 
 STEPS_PER_LAUNCH = 32
 CANDIDATES_PER_LAUNCH = 1 << 17
@@ -152,12 +152,15 @@ class Sampler:
         return groups
 
     def _launch(self, steps: int) -> None:
-        settings = self.settings
         self.device_scene.launch(
             self._kernel, self.chains, np.uint32(self.seed), np.uint64(self.steps_done), np.int32(steps),
-            np.uint32(self.chains), np.float32(settings.large_steps), np.float32(np.log(settings.step[0])),
-            np.float32(np.log(settings.step[1])), self._states, self._counters, self._film,
+            np.uint32(self.chains), *self._step_numbers(), self._states, self._counters, self._film,
             np.int32(self.film_pixels))  # fmt: skip
+
+    def _step_numbers(self) -> tuple[np.float32, np.float32, np.float32]:
+        """What markov_step.cl needs to know of a step: the probability of a large one, and the range of log h."""
+        low, high = self.settings.step
+        return np.float32(self.settings.large_steps), np.float32(np.log(low)), np.float32(np.log(high))
 
     def _weight_target(self, pilot: int) -> None:
         """Weight the target over the film by a rough picture, the same one whatever the seed.
@@ -252,3 +255,29 @@ class Sampler:
         device.launch(kernel, self.chains, np.uint32(self.chains), self._states, np.int32(block),
                       device.upload_reals(deltas), nodes, directions)  # fmt: skip
         return device.read_reals(nodes, shape), device.read_reals(directions, shape)
+
+    def trial(self, step: int | None = None) -> Trial:
+        """What one step of each chain would do, the chains staying as they are.
+
+        ``step`` names its random numbers: those of the chains' step of this number (the first is 0), or of the next one.
+        """
+        self._check_started()
+        device, chains, k = self.device_scene, self.chains, self.settings.max_depth
+        number = self.steps_done if step is None else check_integer("step", step, 0, 1 << 40)
+        counts = {"drawn": (2,), "lobes": (k,), "triangles": (k,)}
+        reals = {"numbers": (6,), "xi": (2 * k,), "nodes": (k, 3), "directions": (k, 3)}
+        whole = {name: device.upload(np.full((chains, *shape), -1, np.int32)) for name, shape in counts.items()}
+        real = {name: device.upload_reals(np.full((chains, *shape), np.nan)) for name, shape in reals.items()}
+        kernel = device.kernel("inspect.cl", "try_step")
+        device.launch(kernel, chains, np.uint32(self.seed), np.uint64(number), np.uint32(chains), *self._step_numbers(),
+                      self._states, whole["drawn"], real["numbers"], real["xi"], real["nodes"], real["directions"],
+                      whole["lobes"], whole["triangles"])  # fmt: skip
+        drawn, lobes, triangles = (device.read(whole[name], np.int32, (chains, *shape)) for name, shape in counts.items())
+        numbers, xi, nodes, directions = (device.read_reals(real[name], (chains, *shape)) for name, shape in reals.items())
+        move, exists = drawn[:, 0], drawn[:, 1] != 1  # STEP_NO_PATH
+        h, log_forward, log_reverse, log_pi, acceptance, uniform = numbers.T.astype(np.float64)
+        # small_step.cl leaves out what the step and its reverse have in common
+        common = np.where(move > 0, move * np.log(2 * np.pi) + 2 * move * np.log(np.where(move > 0, h, 1)), 0)
+        log_pi = np.where(exists, log_pi, np.nan)
+        return Trial(move, h, xi, exists, nodes, directions, lobes, triangles, log_forward - common, log_reverse - common,
+                     log_pi, acceptance, uniform, uniform < acceptance)  # fmt: skip

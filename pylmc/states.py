@@ -32,6 +32,33 @@ class States(NamedTuple):
     gradients: np.ndarray
 
 
+class Trial(NamedTuple):
+    """One step of each chain, tried and not taken; chains first. K is the greatest path length.
+
+    move (chains,): 0 a large step, m a small one of the block of m directions. h: the small step's length, and xi
+    (chains, 2 K) its standard normal numbers; NaN beyond. exists: whether there was a proposal that carries light; where
+    there was none the rest is NaN (or -1). nodes x_1 … x_K (chains, K, 3), in scaled units, directions v_1 … v_K, lobes and
+    triangles (chains, K): the proposal. log_forward, log_reverse: log p(X̂|X) and log p(X|X̂), per solid angle of the
+    directions that moved. log_pi: log of the target I at the proposal. acceptance: the probability of it, 0 without a
+    proposal; drawn: the uniform number that decides; accepted: whether it is below.
+    """
+
+    move: np.ndarray
+    h: np.ndarray
+    xi: np.ndarray
+    exists: np.ndarray
+    nodes: np.ndarray
+    directions: np.ndarray
+    lobes: np.ndarray
+    triangles: np.ndarray
+    log_forward: np.ndarray
+    log_reverse: np.ndarray
+    log_pi: np.ndarray
+    acceptance: np.ndarray
+    drawn: np.ndarray
+    accepted: np.ndarray
+
+
 class Counters(NamedTuple):
     """What the chains counted since the last call: chains first, then column 0 the large step, column m the block of m.
 
