@@ -19,6 +19,7 @@ import numpy as np
 import pyopencl as cl
 
 from .errors import PylmcError
+from .float_float import translate
 from .precision import REALS
 
 _INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
@@ -153,6 +154,8 @@ def build(
     )
     if real == "float":
         text = _LITERAL.sub(r"\1f", text)
+    elif real == "pair":
+        text = translate(text)
     with quiet():
         try:
             return cl.Program(context, text).build(options=list(options))
