@@ -49,8 +49,9 @@ real film_weight(const Scene *scene, real3 v) {
     int2 cell = convert_int2(at);
     real2 share = at - convert_real2(cell);
     __global const float *row = scene->evenness + cell.y * EVENNESS_GRID + cell.x;
-    real top = row[0] + (row[1] - row[0]) * share.x;
-    real bottom = row[EVENNESS_GRID] + (row[EVENNESS_GRID + 1] - row[EVENNESS_GRID]) * share.x;
+    real top = row[0], bottom = row[EVENNESS_GRID];
+    top += (row[1] - top) * share.x;
+    bottom += (row[EVENNESS_GRID + 1] - bottom) * share.x;
     return mix(top, bottom, share.y);
 }
 
