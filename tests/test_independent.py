@@ -146,7 +146,7 @@ def test_densities_of_likely_paths(name: str) -> None:
 
 DRAW = "int k = rng_index(rng, split_count(length, ending));"
 SUM = "if (term > LOG_ZERO) {"
-MEAN = "return log_sum - log((float)splits) + log_choices;"
+MEAN = "return log_sum - log((real)splits) + log_choices;"
 
 
 @pytest.mark.parametrize("name", ["box", "keyhole", "textured"])
