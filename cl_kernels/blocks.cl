@@ -1,6 +1,6 @@
 // Leading blocks (theory.md, 2, Blocks): a small step moves directions 1 .. m and leaves the rest of the path where it is.
 //
-// Which m may be drawn depends on the path's narrow nodes alone. A step that changes those is rejected, so that the draw has
+// Without BLOCKS every step moves all free directions. Which m may be drawn depends on the path's narrow nodes alone. A step that changes those is rejected, so that the draw has
 // the same probability in both directions and cancels.
 #ifndef PYLMC_BLOCKS
 #define PYLMC_BLOCKS
@@ -10,7 +10,7 @@
 // A shorter block ends where the path can be joined again with ease: between two wide nodes.
 bool block_allowed(const Scene *scene, const Path *path, int m) {
     if (m == free_directions(path)) return true;
-#if COORDINATES_TARGET
+#if BLOCKS
     if (is_narrow(scene, &path->vertex[m])) return false;
     return m + 1 == path->length || !is_narrow(scene, &path->vertex[m + 1]);
 #else

@@ -42,7 +42,7 @@ PATH_KERNEL void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int s
             if (step_accepted(&taken)) {
                 now = 1 - now;
                 log_i = taken.radiance.log_i;
-                log_p = taken.move == 0 ? taken.log_forward : NAN;
+                log_p = taken.move == 0 ? taken.log_forward : UNKNOWN;
                 colour = colour_new;
                 pixel = pixel_new;
             }

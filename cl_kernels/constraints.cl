@@ -1,6 +1,7 @@
 // The constraints of theory.md, 5, as rows: a row is the differential of one function of the path over its width, so that
 // the constraint is |row . delta X| <= 1. Widths that are infinite have no row. Which kinds are compiled in is decided by
-// pylmc/preconditioner.py: HAS_NARROW (lobes), HAS_SMALL_OBJECTS, NUM_APERTURES; the bounds are always there.
+// pylmc/preconditioner.py: HAS_NARROW (lobes), HAS_SMALL_OBJECTS, NUM_APERTURES; the bounds are always there. The setting
+// `constraints` leaves kinds out by name: USE_LOBES, USE_HOLES, USE_OBJECTS, USE_NORMALS.
 #ifndef PYLMC_CONSTRAINTS
 #define PYLMC_CONSTRAINTS
 
@@ -33,6 +34,7 @@ void lobe_axes(const Scene *scene, const Vertex *vertex, real3 s, real3 *inward,
 
 // A free deviation (13), (14): a unit block on Omega, in the lobe's own axes.
 void constrain_free_lobe(const Scene *scene, const Vertex *vertex, const Chart *chart, int column, Factor *factor) {
+#if USE_LOBES
     real3 inward, sideways;
     real2 width;
     lobe_axes(scene, vertex, chart->anchor, &inward, &sideways, &width);
@@ -45,10 +47,12 @@ void constrain_free_lobe(const Scene *scene, const Vertex *vertex, const Chart *
         factor_add_row(factor, &row, column);
     }
     factor->constraints++;
+#endif
 }
 
 // A lobe whose deviation depends on the coordinates (15), (16): domega is d(v - s).
 void constrain_dependent_lobe(const Scene *scene, const Vertex *vertex, real3 s, const Tangent *domega, int blocks, Factor *factor) {
+#if USE_LOBES
     real3 inward, sideways;
     real2 width;
     lobe_axes(scene, vertex, s, &inward, &sideways, &width);
@@ -58,11 +62,12 @@ void constrain_dependent_lobe(const Scene *scene, const Vertex *vertex, real3 s,
     for (int b = 0; b < blocks; b++) row.block[b] = tangent_dot(sideways, domega[b]) / width.y;
     factor_add_row(factor, &row, 0);
     factor->constraints++;
+#endif
 }
 
 // A node stays on its small object (12), (17), (19); an emitter that the path must land on counts as small at any size.
 void constrain_object(const Scene *scene, const Vertex *vertex, const Tangent *dx, int blocks, Factor *factor) {
-#if HAS_SMALL_OBJECTS || HAS_EMITTERS
+#if USE_OBJECTS && (HAS_SMALL_OBJECTS || HAS_EMITTERS)
     __global const SceneObject *object = &scene->objects[scene->triangles[vertex->triangle].object];
     if (!object->small) return;
     for (int axis = 0; axis < 3; axis++) {
@@ -80,7 +85,7 @@ void constrain_object(const Scene *scene, const Vertex *vertex, const Tangent *d
 // The normal keeps within one radian as the node moves (17), (19): on curved faces only. Not within the lobe: the deviation is
 // counted from the reference direction, which turns with the normal, so that the path stays in its lobe wherever it goes.
 void constrain_normal(const Vertex *vertex, const Curvature *curvature, const Tangent *dn, int blocks, Factor *factor) {
-#if HAS_SMOOTH
+#if HAS_SMOOTH && USE_NORMALS && !DIFFERENTIALS_REDUCED
     if (curvature->flat) return;
     real3 axes[2];
     axes[0] = any_tangent(vertex->ns);
@@ -97,7 +102,7 @@ void constrain_normal(const Vertex *vertex, const Curvature *curvature, const Ta
 // The segment from x to next stays in each aperture that it passes (11), (20); dx0 and dx1 are its ends' tangents. `skip`
 // is the aperture whose own chart the direction takes: there the constraint is a unit block, added by constrain_direction.
 void constrain_apertures(const Scene *scene, real3 x, const Vertex *next, const Tangent *dx0, const Tangent *dx1, int skip, int blocks, Factor *factor) {
-#if NUM_APERTURES > 0
+#if NUM_APERTURES > 0 && USE_HOLES
     for (int i = 0; i < NUM_APERTURES; i++) {
         real3 point;
         __global const Aperture *aperture = &scene->apertures[i];
@@ -126,7 +131,7 @@ void constrain_direction(const Scene *scene, const Chart *chart, int j, real3 x,
     real angle = j == 1 ? scene->camera->bound : 1.0;
     if (chart->kind >= KIND_NODE) weight2 /= length2(chart->anchor - x);
     weight2 /= angle * angle;
-#if NUM_APERTURES > 0
+#if NUM_APERTURES > 0 && USE_HOLES
     if (chart->kind >= KIND_APERTURE) {
         __global const Aperture *aperture = &scene->apertures[chart->kind - KIND_APERTURE];
         weight2 += (real2)(1.0 / square(aperture->half_size[0]), 1.0 / square(aperture->half_size[1]));

@@ -1,5 +1,8 @@
 // Tangents dx_k, dv_k, dn_k of the path in each of its coordinates, carried along it (forward mode; theory.md, 4; eqs.
-// (15), (18)). Eight coordinates lie side by side in a float8, so that one pass serves eight columns.
+// (15), (18)). Eight coordinates lie side by side in a real8, so that one pass serves eight columns.
+//
+// With DIFFERENTIALS_REDUCED normals and frames count as fixed: dn = dp = 0. Any Q that is a function of the state keeps the
+// chain exact, so this costs efficiency only (theory.md, 4).
 #ifndef PYLMC_DIFFERENTIALS
 #define PYLMC_DIFFERENTIALS
 
@@ -34,7 +37,7 @@ typedef struct { real3 a, b, ga, gb; bool flat; } Curvature;
 Curvature curvature_at(const Scene *scene, const Vertex *vertex) {
     Curvature curvature;
     curvature.flat = true;
-#if HAS_SMOOTH
+#if HAS_SMOOTH && !DIFFERENTIALS_REDUCED
     if (scene->triangles[vertex->triangle].smooth) {
         int i0 = scene->faces[3 * vertex->triangle], i1 = scene->faces[3 * vertex->triangle + 1], i2 = scene->faces[3 * vertex->triangle + 2];
         real3 p0 = load3(scene->vertices, i0), e1 = load3(scene->vertices, i1) - p0, e2 = load3(scene->vertices, i2) - p0;
@@ -119,14 +122,17 @@ Tangent deviation_tangent(const Chart *chart, Tangent ds, Tangent dp, real8 unit
     real2 slopes = chart_slopes(along, across);
     real8 half_drho2 = chart->omega.x * unit1 + chart->omega.y * unit2;
     real3 deviation = chart->omega.x * chart->e1 + chart->omega.y * chart->e2;
-    // q = s x p: dq = ds x p + s x dp
-    Tangent dq = tangent_sub(tangent_cross(chart->anchor, dp), tangent_cross(chart->e1, ds));
     Tangent dv = tangent_add(tangent_scaled(chart->anchor, slopes.x * half_drho2), tangent_times(ds, (real8)(along)));
     dv = tangent_add(dv, tangent_scaled(deviation, slopes.y * half_drho2));
     dv = tangent_add(dv, tangent_scaled(chart->e1, across * unit1));
     dv = tangent_add(dv, tangent_scaled(chart->e2, across * unit2));
+#if !DIFFERENTIALS_REDUCED
+    // q = s x p: dq = ds x p + s x dp
+    Tangent dq = tangent_sub(tangent_cross(chart->anchor, dp), tangent_cross(chart->e1, ds));
     dv = tangent_add(dv, tangent_times(dp, (real8)(across * chart->omega.x)));
-    return tangent_add(dv, tangent_times(dq, (real8)(across * chart->omega.y)));
+    dv = tangent_add(dv, tangent_times(dq, (real8)(across * chart->omega.y)));
+#endif
+    return dv;
 }
 
 // dx of the node that the segment meets: dx_k = (1 - v n^T / (v.n)) (dx_{k-1} + t dv_k).

@@ -20,9 +20,13 @@ typedef struct {
     Radiance radiance; // of the proposal
 } MarkovStep;
 
+// Not known, of a log density: a finite number, since with math="fast" a compiler may take NaN for impossible.
+#define UNKNOWN -1e30
+bool is_known(real log_density) { return fabs(log_density) < 1e29; }
+
 bool step_accepted(const MarkovStep *step) { return step->drawn < step->acceptance; }
 
-// Propose y from x and decide. log_p: of x by the independent sampler; NAN until a large step first needs it.
+// Propose y from x and decide. log_p: of x by the independent sampler; UNKNOWN until a large step first needs it.
 void markov_step(Scene *scene, const Path *x, real log_i, real *log_p, float p_large, float log_h_min, float log_h_max, Rng *rng,
                  Path *y, MarkovStep *step) {
     step->move = 0;
@@ -35,7 +39,7 @@ void markov_step(Scene *scene, const Path *x, real log_i, real *log_p, float p_l
     if (rng_uniform(rng) < p_large || !(log_i > LOG_ZERO)) {
         if (sample_path(scene, x->length, x->ending, rng, y)) {
             step->radiance = integrand(scene, y);
-            if (isnan(*log_p)) *log_p = log_independent_density(scene, x);
+            if (!is_known(*log_p)) *log_p = log_independent_density(scene, x);
             step->log_forward = log_independent_density(scene, y);
             step->log_reverse = *log_p;
             step->outcome = STEP_OK;

@@ -8,11 +8,11 @@
 #include "constraints.cl"
 #include "drift.cl"
 
-// p is the frame at v_1 that the charts were made with. With drift, the gradient of the log density in the charts'
-// coordinates comes back as well.
-void precondition(const Scene *scene, const Path *path, int m, real3 p, const Chart *charts, Factor *factor, Row *gradient) {
-    factor->n = 2 * m;
-    factor->constraints = 0;
+// Without any of these nothing needs the tangents, and L is the bounds' diagonal: an isotropic step.
+#define NEEDS_TANGENTS (USE_LOBES || USE_HOLES || USE_OBJECTS || USE_NORMALS || DRIFT)
+
+// The sweep: constraints (and the gradient) that depend on how the path moves. p is the frame at v_1.
+void add_moving_constraints(const Scene *scene, const Path *path, int m, real3 p, const Chart *charts, Factor *factor, Row *gradient) {
     int blocks = (factor->n + LANES - 1) / LANES;
     Tangent zero = tangent_scaled((real3)(0.0), (real8)(0.0));
     Tangent dx[COLUMN_BLOCKS], dv[COLUMN_BLOCKS], dn[COLUMN_BLOCKS];
@@ -20,8 +20,6 @@ void precondition(const Scene *scene, const Path *path, int m, real3 p, const Ch
         dx[b] = dv[b] = dn[b] = zero;
         gradient->block[b] = (real8)(0.0);
     }
-    for (int j = 1; j <= m; j++)
-        constrain_direction(scene, &charts[j], j, j == 1 ? vec3(scene->camera->origin) : path->vertex[j - 1].x, factor);
 #if HAS_DEVIATION
     // the frame is needed up to the last deviation of the block, or not at all
     Tangent dp[COLUMN_BLOCKS];
@@ -49,7 +47,7 @@ void precondition(const Scene *scene, const Path *path, int m, real3 p, const Ch
             Tangent ds, dp_s;
             if (j > 1 && with_frame) {
                 ds = reference_tangent(scene, here, dv[b], dn[b]);
-                dp_s = frame_tangent(here, arriving_p, s, dp[b], dv[b], dn[b], ds);
+                dp_s = DIFFERENTIALS_REDUCED ? zero : frame_tangent(here, arriving_p, s, dp[b], dv[b], dn[b], ds);
             }
             if (chart->kind == KIND_DEVIATION) dv[b] = deviation_tangent(chart, ds, dp_s, unit1, unit2);
             else if (chart->kind == KIND_PROJECTION) dv[b] = tangent_add(tangent_scaled(chart->e1, unit1), tangent_scaled(chart->e2, unit2));
@@ -57,9 +55,11 @@ void precondition(const Scene *scene, const Path *path, int m, real3 p, const Ch
 #endif
                 dv[b] = aimed_tangent(chart, x, next->v, dx[b], unit1, unit2);
 #if HAS_DEVIATION
+#if !DIFFERENTIALS_REDUCED
             if (with_frame && j > 1) dp[b] = rotation_tangent(p, s, next->v, dp_s, ds, dv[b]);
             // the first frame follows v_1 by the minimal rotation: dp = -(p.dv) v
             if (with_frame && j == 1) dp[b] = tangent_scaled(next->v, -tangent_dot(p, dv[b]));
+#endif
 #endif
             dx[b] = node_tangent(next, dx[b], dv[b]);
 #if DRIFT
@@ -88,10 +88,7 @@ void precondition(const Scene *scene, const Path *path, int m, real3 p, const Ch
         constrain_normal(next, &curvature, dn, blocks, factor);
         x = next->x;
     }
-    if (m == path->length) {
-        factor_finish(factor);
-        return;
-    }
+    if (m == path->length) return;
     // the segment to the fixed point x_{m+1}
     const Vertex *here = &path->vertex[m], *next = &path->vertex[m + 1];
     Tangent domega[COLUMN_BLOCKS], still[COLUMN_BLOCKS], dv_in[COLUMN_BLOCKS];
@@ -120,6 +117,18 @@ void precondition(const Scene *scene, const Path *path, int m, real3 p, const Ch
         for (int b = 0; b < blocks; b++) domega[b] = tangent_times(reference_tangent(scene, next, dv[b], zero), (real8)(-1.0));
         constrain_dependent_lobe(scene, next, reference_direction(scene, next, next->v), domega, blocks, factor);
     }
+#endif
+}
+
+// L for directions 1 .. m of the path. p is the frame at v_1 that the charts were made with. With drift, the gradient of the
+// log density in the charts' coordinates comes back as well.
+void precondition(const Scene *scene, const Path *path, int m, real3 p, const Chart *charts, Factor *factor, Row *gradient) {
+    factor->n = 2 * m;
+    factor->constraints = 0;
+    for (int j = 1; j <= m; j++)
+        constrain_direction(scene, &charts[j], j, j == 1 ? vec3(scene->camera->origin) : path->vertex[j - 1].x, factor);
+#if NEEDS_TANGENTS
+    add_moving_constraints(scene, path, m, p, charts, factor, gradient);
 #endif
     factor_finish(factor);
 }

@@ -20,6 +20,15 @@ typedef REAL_NAME(2) real2;
 typedef REAL_NAME(3) real3;
 typedef REAL_NAME(8) real8;
 
+#if MATH_NATIVE
+#define exp native_exp
+#define log native_log
+#define sin native_sin
+#define cos native_cos
+#define sqrt native_sqrt
+#define rsqrt native_rsqrt
+#endif
+
 // Entry k of a row of eights.
 real real8_at(const real8 *row, int k) { return ((const real *)row)[k]; }
 #endif

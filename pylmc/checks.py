@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from numbers import Real
 from typing import Any
 
@@ -17,6 +18,16 @@ def check_choice(name: str, value: Any, allowed: tuple[str, ...]) -> None:
     """Raise PylmcError unless ``value`` is one of ``allowed``."""
     if value not in allowed:
         raise PylmcError(f"{name}={value!r} is unknown; choose from {', '.join(allowed)}")
+
+
+def check_subset(name: str, values: Any, allowed: tuple[str, ...]) -> tuple[str, ...]:
+    """``values``, a list of words, as a tuple in the order of ``allowed``; raises PylmcError for any other word."""
+    if isinstance(values, str) or not isinstance(values, Iterable):
+        raise PylmcError(f"{name}={values!r}: give a list of {', '.join(allowed)} (an empty one for none)")
+    chosen = tuple(values)
+    for value in chosen:
+        check_choice(name, value, allowed)
+    return tuple(value for value in allowed if value in chosen)
 
 
 def check_integer(name: str, value: Any, least: int, greatest: int) -> int:

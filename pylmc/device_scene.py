@@ -14,7 +14,7 @@ from . import evenness, layout, program, structs
 from .compiled import FIXED_ARRAYS, CompiledScene
 from .devices import context_and_queue, select
 from .errors import PylmcError
-from .precision import on_device, real_fields
+from .precision import NAME_OF_REAL, on_device, real_fields
 from .settings import Settings
 
 # Private memory of one work-item is several kilobytes; PoCL keeps a whole work-group's on a thread's stack.
@@ -40,6 +40,9 @@ class DeviceScene:
         self.compiled, self.settings = compiled, settings
         self.device = device if isinstance(device, cl.Device) else select(device)
         self.precision = on_device(precision, self.device)
+        if settings.math == "native" and self.precision.real != "float":
+            raise PylmcError(f"math='native' has short functions for 32-bit floats only, and precision '{precision}' computes "
+                             f"in {NAME_OF_REAL[self.precision.real]}: use math='exact', or precision='single'")  # fmt: skip
         self.context, self.queue = context_and_queue(self.device)
         self.compile_seconds = 0.0
         self._programs: dict[str, cl.Program] = {}
@@ -114,7 +117,7 @@ class DeviceScene:
                        "EVENNESS_GRID": evenness.GRID, **extra}
             with self.compiling():
                 self._programs[key] = program.build(self.context, source, defines=defines, structs=self._declarations,
-                                                     real=self.precision.real)
+                                                     real=self.precision.real, math=self.settings.math)
         return cl.Kernel(self._programs[key], name)
 
     def launch(self, kernel: cl.Kernel, count: int, *arguments: Any) -> None:

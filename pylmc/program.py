@@ -28,6 +28,11 @@ _PLACE = r"([\w./-]+\.(?:cl|h)|<\w+>):(\d+)(?::\d+)?:"
 _ERROR = re.compile(rf"{_PLACE} (?:fatal )?error:? (.*)|error: {_PLACE} (.*)")
 # An unsuffixed floating literal, which the kernels write for numbers of type `real`.
 _LITERAL = re.compile(r"(?<![\w.])(\d+\.\d*(?:e[-+]?\d+)?|\d+e[-+]?\d+)(?![\w.])")
+# What the compiler may do to arithmetic; "exact" and "native" permit nothing.
+MATH_OPTIONS = {
+    "relaxed": ("-cl-unsafe-math-optimizations", "-cl-mad-enable", "-cl-no-signed-zeros"),
+    "fast": ("-cl-fast-relaxed-math",),
+}
 _LOG_HEAD = 20  # lines of the compiler's log that an error message quotes
 
 
@@ -126,24 +131,25 @@ def build(
     *,
     defines: Mapping[str, object],
     structs: Sequence[str] = (),
-    options: Sequence[str] = (),
     real: str | None = None,
+    math: str = "exact",
 ) -> cl.Program:
     """Kernel source ``main`` compiled for the devices of ``context``.
 
     ``defines`` become ``#define`` lines, sorted, with values written by :func:`literal`; ``structs`` are C declarations
     (see :mod:`pylmc.structs`) placed before the source. ``real`` is the kernels' number type, "float", "double" or "pair"
     (see :mod:`pylmc.precision`), which literals without a suffix become as well; None for a source that has no reals.
-    Contraction of ``a * b + c`` is off, so devices differ by their built-in functions at most. Raises PylmcError with the
-    device, the first error's file and line, and the log's head.
+    ``math`` is as in :class:`pylmc.settings.Settings`: with ``exact`` and ``native`` contraction of ``a * b + c`` is off,
+    so devices differ by their built-in functions at most. Raises PylmcError with the device, the first error's file and
+    line, and the log's head.
     """
-    constants, types = dict(defines), ""
+    constants, types = {**defines, "MATH_NATIVE": math == "native"}, ""
     if real is not None:
         constants |= {f"REAL_{name.upper()}": i for i, name in enumerate(REALS)} | {"REAL": REALS.index(real)}
         types = source("float_float.cl" if real == "pair" else "real.cl")
     text = "\n".join(
         [
-            "#pragma OPENCL FP_CONTRACT OFF",
+            f"#pragma OPENCL FP_CONTRACT {'ON' if math in MATH_OPTIONS else 'OFF'}",
             '#line 1 "<defines>"',
             *(f"#define {name} {literal(constants[name])}" for name in sorted(constants)),
             types,
@@ -158,7 +164,7 @@ def build(
         text = translate(text)
     with quiet():
         try:
-            return cl.Program(context, text).build(options=list(options))
+            return cl.Program(context, text).build(options=list(MATH_OPTIONS.get(math, ())))
         except cl.Error as error:
             raise PylmcError(_failure(context, main, str(error))) from error
 

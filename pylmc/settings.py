@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any
 
-from .checks import check_choice, check_flag, check_integer, check_number
+from .checks import check_choice, check_flag, check_integer, check_number, check_subset
 from .errors import PylmcError
 
 CHARTS = ("equal-area", "orthographic", "orthographic-unit")
@@ -13,6 +13,9 @@ COORDINATES = ("target", "deviation")
 RULES = ("sum", "mean", "rms")
 AIMS = ("everywhere", "light")
 PROJECTIONS = ("normalise", "orthographic")
+CONSTRAINTS = ("lobes", "holes", "objects", "normals")
+DIFFERENTIALS = ("full", "reduced")
+MATHS = ("exact", "relaxed", "fast", "native")
 INTEGRATORS = ("lmc", "bdpt", "path")
 PRECISIONS = ("single", "mixed", "double", "float-float")
 MAX_DEPTH = 32
@@ -32,6 +35,13 @@ class Settings:
     aim: from where the independent sampler aims at apertures and small objects: ``everywhere`` (light, camera and diffuse
     nodes) or ``light`` (its first direction only, as in theory.md, 6). even: whether the target is weighted so that dark
     and bright parts of the film get alike many samples (see :mod:`pylmc.evenness`), or is plain luminance.
+    blocks: whether small steps may move a leading part of the path only (theory.md, 2, Blocks).
+    constraints: the kinds that shape the proposal, of ``lobes``, ``holes``, ``objects`` and ``normals``; with none of them
+    steps are isotropic: one radian or chart unit per direction. differentials: ``full``, or ``reduced``, which takes
+    normals and frames as fixed while a path moves. math: ``exact`` built-ins without contraction; ``relaxed`` lets the
+    compiler reorder and contract; ``fast`` lets it assume besides that no number is infinite or NaN; ``native`` takes the
+    device's own short versions of exp, log, sin, cos and roots (single precision only). All but ``exact`` give up what
+    the tests guarantee; docs/trade.md has what they cost and gain.
     """
 
     max_depth: int = 8
@@ -44,10 +54,14 @@ class Settings:
     step: tuple[float, float] = (0.01, 0.3)
     aim: str = "everywhere"
     even: bool = True
+    blocks: bool = True
+    constraints: tuple[str, ...] = CONSTRAINTS
+    differentials: str = "full"
+    math: str = "exact"
 
     def __post_init__(self) -> None:
         choices = (("chart", CHARTS), ("coordinates", COORDINATES), ("rule", RULES), ("projection", PROJECTIONS),
-                   ("aim", AIMS))  # fmt: skip
+                   ("aim", AIMS), ("differentials", DIFFERENTIALS), ("math", MATHS))  # fmt: skip
         for name, allowed in choices:
             check_choice(name, getattr(self, name), allowed)
         checked: dict[str, Any] = {
@@ -55,6 +69,8 @@ class Settings:
             "large_steps": check_number("large_steps", self.large_steps, 0, 1),
             "drift": check_flag("drift", self.drift),
             "even": check_flag("even", self.even),
+            "blocks": check_flag("blocks", self.blocks),
+            "constraints": check_subset("constraints", self.constraints, CONSTRAINTS),
         }
         try:
             low, high = self.step
@@ -77,6 +93,9 @@ class Settings:
             "COORDINATES_TARGET": self.coordinates == "target",
             "DRIFT": self.drift,
             "AIM_EVERYWHERE": self.aim == "everywhere",
+            "BLOCKS": self.blocks and self.coordinates == "target",
+            "DIFFERENTIALS_REDUCED": self.differentials == "reduced",
+            **{f"USE_{kind.upper()}": kind in self.constraints for kind in CONSTRAINTS},
         }
 
     @classmethod
