@@ -143,7 +143,8 @@ def build(
     so devices differ by their built-in functions at most. Raises PylmcError with the device, the first error's file and
     line, and the log's head.
     """
-    constants, types = {**defines, "MATH_NATIVE": math == "native"}, ""
+    constants, types = {**defines, "MATH_NATIVE": math == "native",
+                        "MATH_CONTRACT": math in MATH_OPTIONS}, ""
     if real is not None:
         constants |= {f"REAL_{name.upper()}": i for i, name in enumerate(REALS)} | {"REAL": REALS.index(real)}
         types = source("float_float.cl" if real == "pair" else "real.cl")
