@@ -43,6 +43,9 @@ class DeviceScene:
         if settings.math == "native" and self.precision.real != "float":
             raise PylmcError(f"math='native' has short functions for 32-bit floats only, and precision '{precision}' computes "
                              f"in {NAME_OF_REAL[self.precision.real]}: use math='exact', or precision='single'")  # fmt: skip
+        if settings.math != "exact" and self.precision.real == "pair":
+            raise PylmcError(f"math='{settings.math}' would let the compiler cancel the low words of pairs of floats, which "
+                             f"precision '{precision}' computes in: use math='exact', or precision='single'")  # fmt: skip
         self.context, self.queue = context_and_queue(self.device)
         self.compile_seconds = 0.0
         self._programs: dict[str, cl.Program] = {}

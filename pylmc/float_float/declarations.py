@@ -34,12 +34,30 @@ def parse(prepared: Prepared) -> c_ast.FileAST:
     from pycparser.c_parser import CParser, ParseError
 
     text = re.sub(r"\b__global\b", GLOBAL_AS, prepared.expanded)
+    start = f'#line 1 "{PREAMBLE}"\n{_EXTERNAL}\n#line 1 "1"\n'
     try:
-        return CParser().parse(f'#line 1 "{PREAMBLE}"\n{_EXTERNAL}\n#line 1 "kernel"\n{text}')
+        return CParser().parse(start + text)
+    except ParseError:
+        pass
+    # Some of its messages give the file and no line, so here every line is a file.
+    try:
+        return CParser().parse(start + _line_by_line(text))
     except ParseError as error:
-        match = re.match(r"kernel:(\d+)(?::\d+)?: (.*)", str(error), re.DOTALL)
+        match = re.match(r"(\d+):(?:\d+:\d+:)?(.*)", str(error), re.DOTALL)
         file, line = prepared.place(int(match[1])) if match else ("<text>", 0)
-        raise PylmcError(f"{file}:{line}: not understood: {match[2] if match else error}") from None
+        raise PylmcError(f"{file}:{line}: float-float: not understood: {match[2].strip() if match else error}") from None
+
+
+def _line_by_line(text: str) -> str:
+    out, number = [], 1
+    for line in text.splitlines():
+        match = re.match(r"#line (\d+)", line)
+        if match:
+            number = int(match[1])
+        else:
+            out += [f'#line {number} "{number}"', line]
+            number += 1
+    return "\n".join(out) + "\n"
 
 
 class Declarations:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import replace
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from pycparser import c_ast
 
 from .declarations import Declarations
 from .functions import call_with_reals, convert_vector, involves_reals, native_result, prefix
+from .packing import split
 from .types import (
     FLOAT,
     INT,
@@ -36,23 +36,19 @@ COMPARISONS = {"<": "lt", ">": "gt", "<=": "le", ">=": "ge", "==": "eq", "!=": "
 _COMPONENTS = {2: "xy", 3: "xyz"}
 
 
-def float_literal(value: np.float32) -> str:
+def float_literal(value: Any) -> str:
     """``value`` in OpenCL C, exactly."""
     return f"{np.format_float_scientific(value, unique=True, trim='0')}f"
 
 
 def pair(digits: str) -> tuple[str, str]:
-    """The literals of (hi, lo) nearest to a number in C's notation.
+    """The literals (hi, lo) of the float64 that ``digits`` stand for where a real is a double.
 
     >>> pair("0.1")
     ('1.0e-01f', '-1.4901161e-09f')
     """
-    with np.errstate(over="ignore"):
-        exact = Fraction(digits)
-        hi = np.float32(float(exact))
-        if not np.isfinite(hi):
-            return "INFINITY", "0.0f"
-        return float_literal(hi), float_literal(np.float32(float(exact - Fraction(float(hi)))))
+    hi, lo = split(float(digits))
+    return float_literal(hi) if np.isfinite(hi) else "INFINITY", float_literal(lo)
 
 
 class Expressions(Declarations):
@@ -77,14 +73,14 @@ class Expressions(Declarations):
         if not (is_real(kind) or is_real(term.type)) or term.type == kind:
             return term
         if not isinstance(kind, Number) or not isinstance(term.type, Number):
-            self.fail(node, f"'{term.text}' meets a real, and its type is not understood")
+            self.fail(node, f"{term.text}: a real meets what is no number, or what is not declared here")
         if term.literal:
             if is_real(kind):
                 scalar = Term(f"ff_make({', '.join(pair(term.literal))})", REAL, literal=term.literal)
             elif kind == FLOAT:
-                scalar = Term(float_literal(np.float32(float(Fraction(term.literal)))), FLOAT)
+                scalar = Term(float_literal(np.float32(term.literal)), FLOAT)
             else:
-                scalar = Term(f"({kind}){float_literal(np.float32(float(Fraction(term.literal))))}", kind, primary=False)
+                scalar = Term(f"({kind}){float_literal(np.float32(term.literal))}", kind, primary=False)
         else:
             converted = convert_vector(term, Number(kind.base, term.type.width))
             if converted is None or term.type.width not in (1, kind.width):
@@ -106,6 +102,8 @@ class Expressions(Declarations):
             elif op == "-" and isinstance(left.type, Pointer) and isinstance(right.type, Pointer):
                 kind = Number("long")
             return Term(text, kind, primary=False, pure=left.pure and right.pure)
+        if kind == UNKNOWN:
+            kind = left.type if is_real(left.type) else right.type
         left, right = (self.convert(node, term, kind) for term in (left, right))
         width = kind.width if isinstance(kind, Number) else 0
         if op in ARITHMETIC and width in REAL_WIDTHS:

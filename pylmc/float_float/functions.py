@@ -18,7 +18,9 @@ ELEMENTWISE = {
 NAMES = {"min": "fmin", "max": "fmax"}
 SCALAR = {"exp": REAL, "log": REAL, "sin": REAL, "cos": REAL, "isnan": INT, "isinf": INT, "isfinite": INT}
 GEOMETRIC = {"dot": (2, 3), "length": (3,), "distance": (3,), "normalize": (3,), "cross": (3,)}  # and for which widths
-RELATIONAL = ("isnan", "isinf", "isfinite", "isequal", "isless", "isgreater", "signbit")
+# Of floats and ints: those whose results are of their arguments' type, and those that say something of them.
+SAME_TYPE = {*ELEMENTWISE, "abs", "ceil", "rint", "round", "exp", "log", "sin", "cos", "fma", "normalize", "cross", "step"}
+RELATIONAL = {"isnan", "isinf", "isfinite", "isequal", "isless", "isgreater", "signbit"}
 _MEMORY = re.compile(r"(vload|vstore)(2|3)")
 _CONVERT = re.compile(r"convert_(\w+?)(_rt[ezpn])?")
 
@@ -107,4 +109,6 @@ def native_result(name: str, arguments: Sequence[Term]) -> Type:
         return INT
     if name in RELATIONAL:
         return Number("int", kind.width)
-    return Number(kind.base) if name in ("dot", "length", "distance") else kind
+    if name in ("dot", "length", "distance"):
+        return Number(kind.base)
+    return kind if name in SAME_TYPE else UNKNOWN

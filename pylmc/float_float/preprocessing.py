@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from dataclasses import dataclass
+from typing import Any
 
 from ..errors import PylmcError
 
@@ -56,6 +57,11 @@ def prepare(text: str) -> Prepared:
         def on_error(self, file: str, line: int, message: str) -> None:
             where, at = places[min(line, len(places)) - 1]
             raise PylmcError(f"{where}:{at}: {message}")
+
+        def on_directive_handle(self, directive: Any, tokens: Any, passed: Any, before: Any) -> Any:
+            if directive.value == "error":
+                self.on_error("", directive.lineno, "".join(token.value for token in tokens).strip())
+            return super().on_directive_handle(directive, tokens, passed, before)
 
     preprocessor = Preprocessor()
     preprocessor.parse("\n".join(rest) + "\n", "kernel")
