@@ -38,9 +38,7 @@ LobeGradient lobe_gradient(const Scene *scene, const Vertex *vertex, real3 wi, r
     real a2 = alpha * alpha, u = c * c + length2(cross(n, m)) / a2;
     real by_c = -4.0 * c * (1.0 - 1.0 / a2) / u, by_xi = 0.0, by_xo = 0.0;
     if (material->ior > 0.0) {
-        real high = fmin(xi + 1e-3, 1.0), low = fmax(xi - 1e-3, 0.0);
-        real slope = (fresnel_dielectric(high, eta) - fresnel_dielectric(low, eta)) / (high - low);
-        real reflected = fresnel_dielectric(xi, eta);
+        real slope = fresnel_slope(xi, eta), reflected = fresnel_dielectric(xi, eta);
         by_xi = through ? -slope / fmax(1.0 - reflected, 1e-6) : slope / reflected;
     } else if (material->schlick) {
         real f0 = luminance(vec3(material->specular) + vec3(material->specular_tinted) * vertex->tint);

@@ -46,4 +46,14 @@ real fresnel_dielectric(real cosine_i, real eta) {
     return 0.5 * (s * s + p * p);
 }
 
+// Its derivative in cosine_i; zero at total reflection. It has a pole at the critical angle, cut off here.
+real fresnel_slope(real cosine_i, real eta) {
+    real cosine_t2 = 1.0 - (1.0 - cosine_i * cosine_i) / (eta * eta);
+    if (cosine_t2 <= 0.0) return 0.0;
+    real cosine_t = sqrt(fmax(cosine_t2, 1e-6));
+    real across = cosine_i + eta * cosine_t, within = eta * cosine_i + cosine_t;
+    real s = (cosine_i - eta * cosine_t) / across, p = (eta * cosine_i - cosine_t) / within;
+    return 2.0 * (eta * eta - 1.0) / (eta * cosine_t) * (s / square(across) + p / square(within));
+}
+
 #endif

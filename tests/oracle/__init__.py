@@ -7,7 +7,7 @@ steps), and Q is formed and factored. Everything is batched over paths of one le
 
 Only conventions are shared with the kernels, since numbers cannot be compared without them: the order of coordinates, the
 first frame (any_tangent), the widths and axes that constraints.cl documents, the order in which random numbers are used,
-and that segments within RAY_OFFSET of a surface count for nothing.
+and that segments within the offset of rays of a surface count for nothing.
 
 Functions whose arguments may be complex take derivatives by complex steps (tangents.py): they hold no abs, no norm and no
 conjugate; comparisons look at real parts, which come first in NumPy's order of complex numbers.

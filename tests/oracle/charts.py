@@ -6,6 +6,8 @@ a frame carried along the path; NODE and APERTURE + i are target charts, which a
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
 
 from pylmc.settings import Settings
@@ -87,6 +89,14 @@ class Charts:
                 self.e2[use, j] = np.cross(record["normal"].astype(float), record["axis"].astype(float))
             if j > 1:
                 frame = turn_minimally(frame, s, v)
+
+    def take(self, which: Array) -> Charts:
+        """The charts of a part of the paths, or of each of them several times."""
+        part = copy.copy(self)
+        part.base = self.base.take(which)
+        for name in ("p", "kinds", "anchor", "e1", "e2", "normal", "omega"):
+            setattr(part, name, getattr(self, name)[which])
+        return part
 
     def kind(self, j: int) -> tuple[Array, Array, Array]:
         """(kind, crossing point, aperture or -1) of direction j, from theory.md, 2."""

@@ -35,6 +35,19 @@ class Rows:
         """Q (n, 2m, 2m) of eq. (21) by the package's own float64 combination."""
         return combine(np.stack(self.rows, axis=1), np.stack(self.owners, axis=1), rule)
 
+    def factor(self, rule: str) -> Array:
+        """L, lower triangular, with Q = L Lᵀ, without Q: its condition number is the square of L's.
+
+        By a QR factorisation of the rows: Q = w RᵀR.
+        """
+        rows, owners = np.stack(self.rows, axis=1), np.stack(self.owners, axis=1)
+        upper = np.linalg.qr(rows, mode="r")
+        upper = upper * np.where(np.einsum("nii->ni", upper) < 0, -1, 1)[..., None]
+        present = np.where(np.any(rows != 0, axis=-1), owners, -1)
+        count = np.array([len(np.unique(row[row >= 0])) for row in present])
+        weight = {"sum": np.ones(len(count)), "mean": 1 / count, "rms": 1 / np.sqrt(count)}[rule]
+        return np.swapaxes(upper, 1, 2) * np.sqrt(weight)[:, None, None]
+
 
 def lobe_axes(s: Surface, v: Array, reference: Array) -> tuple[Array, Array, Array]:
     """(axis in the plane of incidence, axis across it, widths (n, 2)): constraints.cl, lobe_axes, in words there."""
@@ -161,3 +174,8 @@ def _dependent_lobes(rows: Rows, charts: Charts, tangents: Tangents) -> None:
 def preconditioner(charts: Charts, tangents: Tangents | None = None) -> Array:
     """Q (n, 2m, 2m) of eq. (21)."""
     return constraint_rows(charts, tangents or Tangents(charts)).combined(charts.settings.rule)
+
+
+def proposal_factor(charts: Charts, tangents: Tangents | None = None) -> Array:
+    """L (n, 2m, 2m) with Q = L Lᵀ; T = L⁻ᵀ."""
+    return constraint_rows(charts, tangents or Tangents(charts)).factor(charts.settings.rule)

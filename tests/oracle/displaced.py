@@ -1,7 +1,7 @@
 """The path from X: a path whose first m directions have moved by delta in their charts (theory.md, 2).
 
-Traced, each ray goes to what it meets first, found by trying every triangle. Sliding, each node moves on the plane of the
-triangle that it was on: the smooth continuation that derivatives are of.
+Traced, each ray goes to what it meets first, found by trying every triangle. Else each node slides on the plane of a given
+triangle, its own unless told: the smooth continuation that derivatives are of.
 """
 
 from __future__ import annotations
@@ -11,13 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from .charts import Charts, carry_frame
-from .integrand import importance, log_pi
-from .lobes import reference_direction
-from .paths import HIT, Paths, complete, surface
-from .scene import World
+from .integrand import importance
+from .lobes import lobe_value, reference_direction
+from .paths import CONNECT, HIT, Paths, complete, surface
+from .scene import LUMINANCE, World
 from .vectors import Array, dot, magnitude, turn_minimally
-
-RAY_OFFSET = 2e-6  # segments within this of a surface that they leave or meet count for nothing (surface.cl)
 
 
 @dataclass(frozen=True)
@@ -34,12 +32,15 @@ class Moved:
     exists: Array
 
 
-def displaced(charts: Charts, delta: Array, traced: bool = False) -> Moved:
-    """The path after moving coordinates by ``delta`` (n, 2 m); directions beyond m join the old nodes."""
+def displaced(charts: Charts, delta: Array, traced: bool = False, onto: Array | None = None) -> Moved:
+    """The path after moving coordinates by ``delta`` (n, 2 m); directions beyond m join the old nodes.
+
+    ``onto``: the triangles (n, K+1) on whose planes nodes slide where they are not ``traced``.
+    """
     base, world, m = charts.base, charts.world, charts.m
     n = len(base.light)
     dtype = np.result_type(base.x, delta)
-    x, triangle = base.x.astype(dtype), base.triangle.copy()
+    x, triangle = base.x.astype(dtype), (base.triangle if onto is None else onto).copy()
     s = np.zeros(x.shape, dtype)
     exists, log_jacobian = np.ones(n, bool), np.zeros(n, dtype)
     paths, frame, first_frame = base, charts.p, charts.p
@@ -97,16 +98,16 @@ def carries_on(world: World, base: Paths, paths: Paths, m: int) -> Array:
     if m == paths.length and paths.ending == HIT:
         ok &= world.arrays["triangles"]["emitter"][paths.triangle[:, -1]] >= 0
     for j in range(1, min(m + 1, paths.length) + 1):
-        ok &= keeps_off(paths, j)
+        ok &= keeps_off(world, paths, j)
     return ok
 
 
-def keeps_off(paths: Paths, j: int) -> Array:
-    """Whether segment j leaves both of its surfaces by more than RAY_OFFSET."""
+def keeps_off(world: World, paths: Paths, j: int) -> Array:
+    """Whether segment j leaves both of its surfaces by more than the offset of rays."""
     ok = paths.t[:, j] > 0
     for i in (j - 1, j):
         rise = np.abs(dot(paths.ng[:, i], paths.v[:, j])) * paths.t[:, j]
-        ok &= (rise > RAY_OFFSET) | (paths.triangle[:, i] < 0)
+        ok &= (rise > world.ray_offset) | (paths.triangle[:, i] < 0)
     return ok
 
 
@@ -120,10 +121,18 @@ def joint_log_jacobian(paths: Paths, m: int) -> Array:
     """log dσ/dA of the direction that joins a shorter block to the fixed node x_{m+1}: its own delta is zero."""
     if m >= paths.free:
         return np.zeros(len(paths.light))
-    return np.log(magnitude(dot(paths.ng[:, m + 1], paths.v[:, m + 1]))) - 2 * np.log(paths.t[:, m + 1])
+    with np.errstate(divide="ignore"):
+        return np.log(magnitude(dot(paths.ng[:, m + 1], paths.v[:, m + 1]))) - 2 * np.log(paths.t[:, m + 1])
 
 
-def log_density(charts: Charts, moved: Moved) -> Array:
-    """log of the target's density in the charts' coordinates, up to a constant: log I + Σ log dσ/dδ (+ the joint's)."""
-    paths = moved.paths
-    return log_pi(charts.world, paths) + moved.log_jacobian + joint_log_jacobian(paths, charts.m)
+def log_climbed(charts: Charts, moved: Moved) -> Array:
+    """What the drift climbs: log of the target's density in the charts' coordinates, up to a constant.
+
+    Each lobe counts by its own luminance, as if colours were grey; the film's weight and textures, all but constant at
+    the scale of a step, are left out.
+    """
+    world, paths = charts.world, moved.paths
+    total = np.log(importance(world, paths.v[:, 1])) + moved.log_jacobian + joint_log_jacobian(paths, charts.m)
+    for i in range(1, paths.length):
+        total = total + np.log(lobe_value(surface(world, paths, i), -paths.v[:, i], paths.v[:, i + 1]) @ LUMINANCE)
+    return total - 2 * np.log(paths.t[:, -1]) if paths.ending == CONNECT else total

@@ -57,7 +57,7 @@ def film_weight_at(evenness: Array, positions: Array) -> Array:
 
 
 def film_weight(world: World, v: Array) -> Array:
-    """The evenness of directions' film positions. Complex steps do not see its slope, as the drift does not."""
+    """The evenness of directions' film positions."""
     if world.evenness is None:
         return np.ones(len(v))
     return film_weight_at(world.evenness, np.nan_to_num(film_position(world, v.real)))
@@ -65,5 +65,5 @@ def film_weight(world: World, v: Array) -> Array:
 
 def log_pi(world: World, paths: Paths) -> Array:
     """log I; minus infinity where the path carries no light."""
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):
         return np.log(radiance_of(world, paths) @ LUMINANCE * film_weight(world, paths.v[:, 1]))

@@ -51,7 +51,7 @@ def visible_normal(w: Array, n: Array, alpha: Array, u1: Array, u2: Array, tange
     axes = np.stack([tangent, np.cross(n, tangent), n], axis=-2)
     stretch = np.stack([alpha, alpha, np.ones_like(alpha)], axis=-1)
     local = np.einsum("nij,nj->ni", axes, w) * stretch
-    local = local / np.linalg.norm(local, axis=-1, keepdims=True)
+    local = local / np.maximum(np.linalg.norm(local, axis=-1, keepdims=True), 1e-300)
     z = 1 - u2 * (1 + local[:, 2])  # uniform between -local_z and 1
     sine = np.sqrt(np.maximum(1 - z**2, 0))
     cap = np.stack([sine * np.cos(2 * np.pi * u1), sine * np.sin(2 * np.pi * u1), z], axis=-1)

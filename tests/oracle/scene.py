@@ -29,6 +29,8 @@ class World:
         self.materials = a["materials"][a["triangles"]["material"]]
         self.camera = a["camera"][0]
         self.origin = self.camera["origin"].astype(float)
+        # segments within this of a surface that they leave or meet count for nothing (vectors.cl)
+        self.ray_offset = 4e-15 if compiled.features["BVH_DOUBLE"] else 2e-6
         self._light_the_triangles()
 
     def _light_the_triangles(self) -> None:
@@ -68,7 +70,7 @@ class World:
         return ns * np.where(dot(ns, ng) < 0, -1, 1)[..., None]
 
     def texture(self, triangle: Array, x: Array) -> Array:
-        """The texture's bilinear value, or white. Complex steps do not see its slope, as the drift does not."""
+        """The texture's bilinear value, or white. Complex steps do not see its slope."""
         tint = np.ones((*triangle.shape, 3))
         chosen = self.materials["texture"][triangle]
         for index in np.unique(chosen[chosen >= 0]):

@@ -11,27 +11,34 @@ from collections.abc import Callable
 import numpy as np
 
 from .charts import Charts
-from .displaced import Moved, displaced, log_density
+from .displaced import Moved, displaced, log_climbed
+from .rounding import Rounding
 from .vectors import Array
 
 EPSILON = 1e-30
 
 
 class Tangents:
-    """Derivatives with respect to the charts' coordinates of whatever a displaced path determines."""
+    """Derivatives with respect to the charts' coordinates of whatever a displaced path determines.
 
-    def __init__(self, charts: Charts) -> None:
-        self.charts = charts
-        columns = 1j * EPSILON * np.eye(2 * charts.m)
-        self.moved = [displaced(charts, np.broadcast_to(column, (len(charts.p), len(column)))) for column in columns]
+    All columns at once: each path is displaced 2 m times, side by side. ``rounding``: applied to every derivative.
+    """
+
+    def __init__(self, charts: Charts, rounding: Rounding | None = None) -> None:
+        self.charts, self.rounding = charts, rounding
+        n, columns = len(charts.p), 2 * charts.m
+        delta = 1j * EPSILON * np.repeat(np.eye(columns), n, axis=0)
+        self.moved = displaced(charts.take(np.tile(np.arange(n), columns)), delta)
 
     def of(self, function: Callable[[Moved], Array]) -> Array:
         """d function(Moved) / d delta, (n, …, 2 m)."""
-        return np.stack([np.imag(function(moved)) for moved in self.moved], axis=-1) / EPSILON
+        slopes = np.imag(function(self.moved)) / EPSILON
+        slopes = np.moveaxis(slopes.reshape(2 * self.charts.m, -1, *slopes.shape[1:]), 0, -1)
+        return slopes if self.rounding is None else self.rounding.relative(slopes)
 
     def gradient(self) -> Array:
         """∇ of the log density in the charts' coordinates (n, 2 m), as the drift follows it."""
-        return self.of(lambda moved: log_density(self.charts, moved))
+        return self.of(lambda moved: log_climbed(self.charts, moved))
 
 
 def differences(charts: Charts, function: Callable[[Moved], Array], step: float) -> Array:

@@ -1,0 +1,130 @@
+"""Directions and points drawn from the densities of independent.py, from given random numbers in the kernels' order.
+
+Each function draws for the ``wanted`` entries only, and returns anything elsewhere.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .independent import AIM_FROM_CAMERA, AIM_FROM_LIGHT, AIM_FROM_NODE, aimed_half_size, cone_of_sphere
+from .integrand import film_direction
+from .lobes import DIELECTRIC_REFLECT, DIFFUSE, REFLECT, TRANSMIT, Surface
+from .microfacet import fresnel, visible_normal
+from .random import Streams
+from .scene import World
+from .vectors import Array, any_tangent, dot, unit
+
+
+def about(axis: Array, cosine: Array, angle: Array) -> Array:
+    """Unit vectors at a cosine and azimuth about unit vectors."""
+    tangent = any_tangent(axis)
+    sine = np.sqrt(np.maximum(1 - cosine**2, 0))
+    flat = np.cos(angle)[:, None] * tangent + np.sin(angle)[:, None] * np.cross(axis, tangent)
+    return sine[:, None] * flat + cosine[:, None] * axis
+
+
+def sample_target(target: np.void, x: Array, u1: Array, u2: Array) -> Array:
+    """A direction from x into a sphere's cone, or to a point of a rectangle."""
+    centre, axis = target["centre"].astype(float), target["axis"].astype(float)
+    if target["sphere"]:
+        return about(unit(centre - x), 1 - cone_of_sphere(target, x) * u1, 2 * np.pi * u2)
+    half = aimed_half_size(target)
+    across = np.cross(target["normal"].astype(float), axis)
+    point = centre + ((2 * u1 - 1) * half[0])[:, None] * axis + ((2 * u2 - 1) * half[1])[:, None] * across
+    return unit(point - x)
+
+
+def sample_aim(world: World, x: Array, share: float, streams: Streams, wanted: Array) -> tuple[Array, Array]:
+    """(directions, which were aimed): with probability ``share`` at a target."""
+    targets = world.arrays["targets"]
+    direction, aimed = np.zeros(x.shape), np.zeros(len(x), bool)
+    if not len(targets):
+        return direction, aimed
+    aimed = wanted & (streams.uniform(wanted) < share)
+    chosen = streams.index(len(targets), aimed)
+    u1, u2 = streams.uniform(aimed), streams.uniform(aimed)
+    for index, target in enumerate(targets):
+        use = aimed & (chosen == index)
+        direction[use] = sample_target(target, x[use], u1[use], u2[use])
+    return direction, aimed
+
+
+def sample_camera(world: World, streams: Streams, wanted: Array) -> Array:
+    """The first direction: through a uniform point of the film, or aimed."""
+    origin = np.broadcast_to(world.origin, (len(wanted), 3))
+    direction, aimed = sample_aim(world, origin, AIM_FROM_CAMERA, streams, wanted)
+    plain = wanted & ~aimed
+    position = np.stack([streams.uniform(plain), streams.uniform(plain)], axis=-1)
+    return np.where(aimed[:, None], direction, film_direction(world, position))
+
+
+def sample_emission(world: World, x: Array, normal: Array | None, streams: Streams, wanted: Array) -> Array:
+    """The light's first direction: about the emitter's normal, or all round (no normal), or aimed."""
+    direction, aimed = sample_aim(world, x, AIM_FROM_LIGHT, streams, wanted)
+    plain = wanted & ~aimed
+    u, angle = streams.uniform(plain), 2 * np.pi * streams.uniform(plain)
+    if normal is None:
+        z = 1 - 2 * u
+        sine = np.sqrt(1 - z**2)
+        drawn = np.stack([sine * np.cos(angle), sine * np.sin(angle), z], axis=-1)
+    else:
+        drawn = about(normal, np.sqrt(1 - u), angle)
+    return np.where(aimed[:, None], direction, drawn)
+
+
+def choose_lobe(s: Surface, streams: Streams, wanted: Array) -> Array:
+    """A lobe of each material by its own chances; a dielectric's two lobes are one choice, and called the reflection."""
+    chance = s.material["choose_diffuse"].astype(float)
+    mixed = wanted & (chance > 0) & (chance < 1)
+    diffuse = (chance >= 1) | (mixed & (streams.uniform(mixed) < chance))
+    return np.where(diffuse, DIFFUSE, np.where(s.material["ior"] > 0, DIELECTRIC_REFLECT, REFLECT))
+
+
+def sample_lobe(world: World, s: Surface, known: Array, streams: Streams, wanted: Array) -> tuple[Array, Array]:
+    """(the other direction at nodes whose ``known`` direction is given, whether there is one)."""
+    n = np.where(dot(s.ns, known)[:, None] > 0, s.ns, -s.ns)
+    diffuse = wanted & (s.lobe == DIFFUSE)
+    direction, aimed = sample_aim(world, s.x, AIM_FROM_NODE, streams, diffuse)
+    plain = diffuse & ~aimed
+    u, angle = streams.uniform(plain), 2 * np.pi * streams.uniform(plain)
+    cosine_drawn = about(n, np.sqrt(1 - u), angle)
+
+    glossy = wanted & (s.lobe != DIFFUSE)
+    u1, u2 = streams.uniform(glossy), streams.uniform(glossy)
+    h = visible_normal(known, n, s.alpha, u1, u2, any_tangent(n))
+    kh = dot(known, h)
+    ok = kh > 0
+    dielectric = glossy & ok & (s.material["ior"] > 0)
+    eta = s.index_ratio(known)
+    through = dielectric & (streams.uniform(dielectric) >= fresnel(kh, eta))
+    cosine_t = np.sqrt(np.maximum(1 - (1 - kh**2) / eta**2, 0))
+    refracted = unit((kh / eta - cosine_t)[:, None] * h - known / eta[:, None])
+    reflected = 2 * kh[:, None] * h - known
+    bounced = np.where(through[:, None], refracted, reflected)
+    right_side = np.where(through, dot(bounced, n) < 0, dot(bounced, n) > 0)
+    out = np.where(aimed[:, None], direction, np.where(diffuse[:, None], cosine_drawn, bounced))
+    return out, wanted & (diffuse | (ok & right_side))
+
+
+def sample_light(world: World, streams: Streams, wanted: Array) -> Array:
+    """Which point light."""
+    cumulative = world.arrays["points"]["cumulative"].astype(float)
+    return np.searchsorted(cumulative[:-1], streams.uniform(wanted), side="right")
+
+
+def sample_emitter(world: World, streams: Streams, wanted: Array) -> tuple[Array, Array]:
+    """(triangle, point) on an emitter."""
+    cumulative = world.arrays["emitter_cdf"].astype(float)
+    chosen = np.searchsorted(cumulative[:-1], streams.uniform(wanted), side="right")
+    root, share = np.sqrt(streams.uniform(wanted)), streams.uniform(wanted)
+    triangle = world.arrays["emitter_triangles"][chosen]
+    weights = np.stack([1 - root, root * (1 - share), root * share], axis=-1)
+    return triangle, np.einsum("nk,nki->ni", weights, world.corners[triangle])
+
+
+def settled_lobe(s: Surface, arriving: Array, leaving: Array) -> Array:
+    """Which of a dielectric's two lobes the finished path uses."""
+    through = dot(s.ng, arriving) * dot(s.ng, leaving) > 0
+    dielectric = (s.lobe != DIFFUSE) & (s.material["ior"] > 0)
+    return np.where(dielectric, np.where(through, TRANSMIT, DIELECTRIC_REFLECT), s.lobe)
