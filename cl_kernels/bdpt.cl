@@ -17,7 +17,6 @@ PATH_KERNEL void render_independent(SCENE_PARAMETERS, uint seed, ulong first_ste
         counters[index].proposed[0]++;
         if (!sample_path(&scene, group.length, group.ending, &rng, &path)) continue;
         Radiance radiance = integrand(&scene, &path);
-        if (!(radiance.log_i > LOG_ZERO)) continue;
         real weight = exp(radiance.log_i - log_independent_density(&scene, &path));
         if (!isfinite(weight)) {
             counters[index].not_finite++;

@@ -4,13 +4,14 @@
 
 #define PURPOSE_BOOTSTRAP 0u
 
+// log(I / p_ind); LOG_ZERO where the draw comes to nothing, NaN where a density of a path that was drawn is not a number.
 real log_path_weight(Scene *scene, uint seed, uint group, uint number, int length, int ending, Path *path, Radiance *radiance, real *log_p) {
     Rng rng = rng_open(seed, number, group, PURPOSE_BOOTSTRAP);
     if (!sample_path(scene, length, ending, &rng, path)) return LOG_ZERO;
     *radiance = integrand(scene, path);
     *log_p = log_independent_density(scene, path);
     real weight = radiance->log_i - *log_p;
-    return isfinite(weight) ? weight : LOG_ZERO;
+    return isfinite(weight) ? weight : NAN;
 }
 
 PATH_KERNEL void weigh_candidates(SCENE_PARAMETERS, uint seed, uint group, int length, int ending, uint first, uint count, __global real *log_weights, __global real *positions) {

@@ -83,7 +83,7 @@ bool sample_path(Scene *scene, int length, int ending, Rng *rng, Path *path) {
         return visible(scene, origin, normal, far->x, far->ng);
     }
     settle_lobes(scene, path);
-    return integrand(scene, path).log_i > LOG_ZERO;
+    return integrand(scene, path).log_i != LOG_ZERO;
 }
 
 // log p_ind of any path.

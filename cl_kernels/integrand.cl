@@ -18,7 +18,7 @@
 
 typedef struct {
     real3 colour;   // C / exp(log_scale)
-    real log_i;     // log of I, the chain's target density; LOG_ZERO where C = 0
+    real log_i;     // log of I, the chain's target density; LOG_ZERO where C = 0, and NaN is passed on, to be counted
     real weight;    // of the film position
 } Radiance;
 
@@ -35,7 +35,10 @@ Radiance integrand(const Scene *scene, const Path *path) {
     for (int i = 1; i < path->length; i++) {
         real scale;
         c.colour *= lobe_value(scene, &path->vertex[i], -path->vertex[i].v, path->vertex[i + 1].v, &scale);
-        if (!(scale > 0.0)) return c;
+        if (!(scale > 0.0)) {
+            if (isnan(scale)) c.log_i = scale;
+            return c;
+        }
         log_scale += log(scale);
     }
     const Vertex *last = &path->vertex[path->length];
@@ -50,7 +53,7 @@ Radiance integrand(const Scene *scene, const Path *path) {
 #endif
     real brightness = luminance(c.colour);
     c.weight = film_weight(scene, path->vertex[1].v);
-    if (brightness > 0.0) c.log_i = log_scale + log(brightness * c.weight);
+    if (brightness != 0.0) c.log_i = log_scale + log(brightness * c.weight);
     return c;
 }
 

@@ -57,6 +57,8 @@ void markov_step(Scene *scene, const Path *x, real log_i, real *log_p, float p_l
     }
     real log_acceptance = -INFINITY;
     if (step->outcome == STEP_OK) log_acceptance = (step->radiance.log_i - log_i) + (step->log_reverse - step->log_forward);
+    // a path that was drawn and whose density rounds to zero would be taken for sure and never be left again
+    if (step->outcome == STEP_OK && !isfinite(step->log_forward)) log_acceptance = NAN;
     if (isnan(log_acceptance)) {
         step->outcome = STEP_NOT_FINITE;
         log_acceptance = -INFINITY;

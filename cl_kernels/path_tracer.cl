@@ -102,7 +102,9 @@ PATH_KERNEL void render_paths(SCENE_PARAMETERS, uint seed, ulong first_step, int
         Rng rng = rng_open(seed, (uint)pixel, first_step + step, PURPOSE_PATH);
         real x = rng_uniform(&rng), y = rng_uniform(&rng);
         real2 position = (real2)((pixel % width + x) / width, (pixel / width + y) / height);
-        sum += trace_path(&scene, film_direction(&scene, position), max_depth, &rng);
+        real3 radiance = trace_path(&scene, film_direction(&scene, position), max_depth, &rng);
+        if (isfinite(radiance.x + radiance.y + radiance.z)) sum += radiance;
+        else counters[index].not_finite++;
     }
     vstore3(vload3(pixel, film) + sum, pixel, film);
     counters[index].rays += scene.rays;

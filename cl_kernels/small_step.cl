@@ -111,7 +111,7 @@ int propose_small(Scene *scene, const Path *x, int m, real h, const real *xi, Pa
     real log_jacobian, log_jacobian_back = 0.0;
     if (!displaced_path(scene, x, m, delta, charts, p, &p_new, y, &log_jacobian)) return STEP_NO_PATH;
     *radiance = integrand(scene, y);
-    if (!(radiance->log_i > LOG_ZERO)) return STEP_NO_PATH;
+    if (radiance->log_i == LOG_ZERO) return STEP_NO_PATH;
     if (m < y->length) {
         const Vertex *near = &y->vertex[m], *far = &y->vertex[m + 1];
         if (!visible(scene, near->x, near->ng, far->x, far->ng)) return STEP_NO_PATH;

@@ -14,7 +14,8 @@ class Group:
     """The paths of one length (segments) and ending, with their own normalisation b; chains ``first : first + chains``.
 
     ``log_weights`` (n,) and ``positions`` on the film (n, 2) are those of the start's candidates. ``weight_sum`` and
-    ``weight_square_sum`` add I / p_ind over ``weighed`` independent paths, so b is their mean.
+    ``weight_square_sum`` add I / p_ind over ``weighed`` independent paths, so b is their mean. ``not_finite`` counts
+    candidates that were drawn but whose weight is no number; they count as paths without light.
     """
 
     length: int
@@ -28,9 +29,13 @@ class Group:
     first: int = 0
     chains: int = 0
     steps: int = 0
+    not_finite: int = 0
 
     def settle(self) -> None:
         """Set the sums from the candidates' weights."""
+        lost = np.isnan(self.log_weights)
+        self.not_finite = int(lost.sum())
+        self.log_weights[lost] = -np.inf
         weights = np.exp(self.log_weights)
         self.weight_sum, self.weight_square_sum = float(weights.sum()), float((weights**2).sum())
 

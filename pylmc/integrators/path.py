@@ -20,7 +20,7 @@ class PathTracer:
 
     def __init__(self, sampler: Sampler) -> None:
         self.sampler = sampler
-        self.done = self.rays = self.passes = 0
+        self.done = self.rays = self.passes = self.not_finite = 0
 
     @property
     def seconds(self) -> dict[str, float]:
@@ -71,6 +71,7 @@ class PathTracer:
         counts = device.read_struct(self._counters, "ChainCounters", size)
         device.clear(self._counters)
         self.rays += int(counts["rays"].sum(dtype=np.int64))
+        self.not_finite += int(counts["not_finite"].sum(dtype=np.int64))
         self._pending = 0
 
     def end_batch(self) -> None:
@@ -92,4 +93,4 @@ class PathTracer:
         return {"passes": str(self.passes)}
 
     def diagnostics(self) -> dict[str, Any]:
-        return {"samples_per_pixel": self.passes, "rays": self.rays}
+        return {"samples_per_pixel": self.passes, "rays": self.rays, "not_finite_rejected": self.not_finite}
