@@ -134,6 +134,10 @@ class DeviceScene:
         cl.enqueue_copy(self.queue, array, buffer)
         return array
 
+    def read_into(self, array: np.ndarray, buffer: cl.Buffer, offset: int) -> None:
+        """Wait for the queue and fill ``array`` from a buffer, ``offset`` bytes into it."""
+        cl.enqueue_copy(self.queue, array, buffer, src_offset=offset)
+
     def read_struct(self, buffer: cl.Buffer, name: str, count: int) -> np.ndarray:
         """The buffer's ``count`` structs of this name, their reals as the host's numbers."""
         return self.precision.to_host(self.read(buffer, self.dtypes[name], count))

@@ -50,6 +50,7 @@ class Sampler:
         self.dark_groups: list[str] = []  # those in which the start found no light
         self.seed = 0
         self.steps_done = 0
+        self._start_not_finite = 0
 
     @property
     def film_pixels(self) -> int:
@@ -121,6 +122,7 @@ class Sampler:
             self._weight_target(max(candidates // 4, 1))
         weighed = self._weigh(candidates, seed)
         self._check_found(weighed, candidates)
+        self._start_not_finite = sum(group.not_finite for group in weighed)
         groups = [group for group in weighed if group.weight_sum > 0]
         self.dark_groups = [group.name for group in weighed if not group.weight_sum > 0]
         total = sum(group.b for group in groups)
@@ -192,7 +194,10 @@ class Sampler:
             raise PylmcError("the chains have not been started: call Sampler.init(seed) first")
 
     def counters(self) -> Counters:
-        """Read and clear the chains' counters; large steps refine each group's b."""
+        """Read and clear the chains' counters; large steps refine each group's b.
+
+        Candidates of the start whose weight was not finite are counted with the first call's ``not_finite``.
+        """
         self._check_started()
         device = self.device_scene
         counts = device.read_struct(self._counters, "ChainCounters", self.chains)
@@ -202,24 +207,32 @@ class Sampler:
             group.weighed += int(part["proposed"][:, 0].sum(dtype=np.int64))
             group.weight_sum += float(part["weight_sum"].sum(dtype=np.float64))
             group.weight_square_sum += float(part["weight_square_sum"].sum(dtype=np.float64))
-        return Counters(counts["proposed"], counts["acceptance"], counts["trace"],
-                        int(counts["not_finite"].sum(dtype=np.int64)), int(counts["rays"].sum(dtype=np.int64)))  # fmt: skip
+        not_finite = int(counts["not_finite"].sum(dtype=np.int64)) + self._start_not_finite
+        self._start_not_finite = 0
+        return Counters(counts["proposed"], counts["acceptance"], counts["trace"], not_finite,
+                        int(counts["rays"].sum(dtype=np.int64)))  # fmt: skip
 
     def films(self) -> np.ndarray:
         """Each group's accumulated splats (groups, height, width, 3), float64, not yet normalised."""
         self._check_started()
+        return np.stack([self._film_of(slot) for slot in range(len(self.groups))])
+
+    def _film_of(self, slot: int) -> np.ndarray:
+        """One group's splats (height, width, 3): large films do not fit into memory several times over."""
         camera = self.scene.camera
-        shape = (len(self.groups), camera.height, camera.width, 3)
-        words = self.device_scene.read(self._film, np.dtype("<u8"), shape)
-        return words / FILM_SCALE
+        words = np.empty((camera.height, camera.width, 3), np.dtype("<u8"))
+        self.device_scene.read_into(words, self._film, slot * words.nbytes)
+        film = words.view(np.float64)
+        return np.divide(words, FILM_SCALE, out=film)
 
     def image(self, films: np.ndarray | None = None) -> np.ndarray:
         """The picture so far (height, width, 3), float64, in the scene's units of radiance."""
-        films = self.films() if films is None else films
-        total = np.zeros(films.shape[1:])
-        for film, group in zip(films, self.groups, strict=True):
-            total += film * (group.b * self.film_pixels / (max(group.steps, 1) * group.chains))
-        return total * self.compiled.radiance_scale
+        total = np.zeros((self.scene.camera.height, self.scene.camera.width, 3))
+        for slot, group in enumerate(self.groups):
+            film = self._film_of(slot) if films is None else films[slot].copy()
+            film *= group.b * self.film_pixels / (max(group.steps, 1) * group.chains) * self.compiled.radiance_scale
+            total += film
+        return total
 
     def states(self, block: int = 0) -> States:
         """Every chain's path; ``block`` limits charts and factors to that many leading directions (0: all free ones)."""
