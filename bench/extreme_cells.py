@@ -31,7 +31,8 @@ ENOUGH = 30  # effective independent paths (or expected chains in a block) below
 @dataclass
 class Cell:
     """What one precision did with one scene. ``b``: by group, (mean, standard error); ``places``: by group, shares of the
-    film's blocks by the independent paths with their errors; ``chains``: the same by the chains."""
+    film's blocks by the independent paths with their errors; ``chains``: the same by the chains; ``acceptance``: by group, sums
+    of probabilities and numbers of small steps; ``balance``: by group, z of each identity."""
 
     refused: str = ""
     seconds: float = 0.0
@@ -39,14 +40,13 @@ class Cell:
     bad_states: int = 0
     bad_weights: int = 0
     not_finite: int = 0
-    acceptance: float = float("nan")
-    acceptance_large: float = float("nan")
+    acceptance: dict[str, tuple[float, float]] = field(default_factory=dict)
     mean: float = 0.0
     b: dict[str, tuple[float, float]] = field(default_factory=dict)
     effective: dict[str, float] = field(default_factory=dict)
     places: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
     chains: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
-    balance: list[float] = field(default_factory=list)
+    balance: dict[str, list[float]] = field(default_factory=dict)
 
 
 def sidak(zs: list[float]) -> float:
@@ -75,10 +75,17 @@ def bias(cell: Cell, reference: Cell, groups: list[str] | None = None) -> dict[s
             z_film += list((cell.chains[g][0] - reference.places[g][0])[used] / error[used])
     total, total_error = summed(cell, names)
     expected, expected_error = summed(reference, names)
-    zs = {"b": sidak(z_b), "film": sidak(z_film), "balance": sidak(cell.balance)}
-    return {**zs, "worst": sidak([*z_b, *z_film, *cell.balance]), "judged": bool(sound or lost),
-            "relative": (total - expected) / expected if expected else float("nan"),
-            "relative_error": float(np.hypot(total_error, expected_error)) / expected if expected else float("nan")}  # fmt: skip
+    z_balance = [z for g in names for z in cell.balance.get(g, [])]
+    zs = {"b": sidak(z_b), "film": sidak(z_film), "balance": sidak(z_balance)}
+    whole = expected or float("nan")
+    return {**zs, "worst": sidak([*z_b, *z_film, *z_balance]), "judged": bool(sound or lost),
+            "relative": (total - expected) / whole, "relative_error": float(np.hypot(total_error, expected_error)) / whole}
+
+
+def acceptance(cell: Cell, names: Any = None) -> float:
+    """Mean acceptance of small steps over the named groups; NaN without any."""
+    sums = np.zeros(2) + sum(np.array(value) for g, value in cell.acceptance.items() if names is None or g in names)
+    return float(sums[0] / sums[1]) if sums[1] > 0 else float("nan")
 
 
 def summed(cell: Cell, names: Any = None) -> tuple[float, float]:
@@ -91,7 +98,8 @@ def run(scene: Scene, precision: str, max_depth: int, seeds: range, candidates: 
     """Measure one cell; a PylmcError becomes ``refused``."""
     start, cell = time.perf_counter(), Cell()
     try:
-        _measure(cell, Sampler(scene, device=device, precision=precision, max_depth=max_depth, even=False), seeds, candidates, chains)
+        sampler = Sampler(scene, device=device, precision=precision, max_depth=max_depth, even=False)
+        _measure(cell, sampler, seeds, candidates, chains)
     except PylmcError as error:
         cell.refused = str(error)
     cell.seconds = time.perf_counter() - start
@@ -103,11 +111,9 @@ def _measure(cell: Cell, sampler: Sampler, seeds: range, candidates: int, chains
     positions: dict[str, list[np.ndarray]] = {}
     visits: dict[str, list[np.ndarray]] = {}
     flux: dict[str, list[np.ndarray]] = {}
-    proposed, accepted = np.zeros(sampler.settings.max_depth + 1), np.zeros(sampler.settings.max_depth + 1)
     every = [group.name for group in sampler.path_groups()]
     for seed in seeds:
         groups = sampler.init(seed, chains, candidates)
-        cell.not_finite += sum(group.not_finite for group in groups)
         for name in every:
             found = [g for g in groups if g.name == name]
             log_w = found[0].log_weights if found else np.full(candidates, -np.inf)
@@ -116,12 +122,12 @@ def _measure(cell: Cell, sampler: Sampler, seeds: range, candidates: int, chains
             positions.setdefault(name, []).append(found[0].positions if found else np.zeros((candidates, 2)))
         sampler.step(BURN)
         parts, places = [], []
+        counts = np.zeros((2, sampler.chains))
         for _ in range(ROUNDS):
             sampler.step(BETWEEN)
             counters = sampler.counters()
             cell.not_finite += counters.not_finite
-            proposed += counters.proposed.sum(axis=0)
-            accepted += counters.acceptance.sum(axis=0, dtype=np.float64)
+            counts += counters.acceptance[:, 1:].sum(axis=1), counters.proposed[:, 1:].sum(axis=1)
             places.append(_blocks(counters.trace))
             parts.append(_fluxes(sampler))
         small = np.isfinite(parts).all(axis=2).sum(axis=0)
@@ -131,6 +137,8 @@ def _measure(cell: Cell, sampler: Sampler, seeds: range, candidates: int, chains
             part = slice(group.first, group.first + group.chains)
             visits.setdefault(group.name, []).append(shares[part])
             flux.setdefault(group.name, []).append(mean_flux[part])
+            before = cell.acceptance.get(group.name, (0.0, 0.0))
+            cell.acceptance[group.name] = tuple(before + counts[:, part].sum(axis=1))
         image = sampler.image()
         cell.bad_pixels += int(np.sum(~np.isfinite(image)))
         cell.mean += float(np.mean(image @ [0.212671, 0.71516, 0.072169])) / len(seeds)
@@ -146,14 +154,13 @@ def _measure(cell: Cell, sampler: Sampler, seeds: range, candidates: int, chains
     for name, visited in visits.items():
         v = np.concatenate(visited)
         cell.chains[name] = v.mean(axis=0), np.sqrt(v.var(axis=0) / len(v))
-    # chains that all began at a handful of paths are not in their target: they say nothing of balance
-    units = np.concatenate([np.zeros((0, 8)), *(part for g, parts in flux.items() if cell.effective[g] >= ENOUGH for part in parts)])
-    units = units[np.isfinite(units).all(axis=1)]
-    if len(units) > ENOUGH:
-        error = units.std(axis=0) / np.sqrt(len(units))
-        cell.balance = [float(m / e) for m, e in zip(units.mean(axis=0), error, strict=True) if e > 0]
-    cell.acceptance = float(accepted[1:].sum() / max(proposed[1:].sum(), 1))
-    cell.acceptance_large = float(accepted[0] / max(proposed[0], 1))
+    for name, fluxes in flux.items():
+        units = np.concatenate(fluxes)
+        units = units[np.isfinite(units).all(axis=1)]
+        # chains that all began at a handful of paths are not in their target: they say nothing of balance
+        if cell.effective[name] >= ENOUGH and len(units) > ENOUGH:
+            error = units.std(axis=0) / np.sqrt(len(units))
+            cell.balance[name] = [float(m / e) for m, e in zip(units.mean(axis=0), error, strict=True) if e > 0]
 
 
 def _blocks(positions: np.ndarray) -> np.ndarray:

@@ -125,7 +125,8 @@ def _degenerate() -> Any:
     """The floor with 300 triangles of no area, on it and through what is seen: points, and three points of one line."""
     vertices, faces = rectangle((-1, 0, -1), (0, 0, 3), (4, 0, 0))
     rng = np.random.default_rng(0)
-    a = np.column_stack([rng.uniform(-0.5, 0.5, 300), rng.uniform(0, 0.2, 300) * (np.arange(300) % 2), rng.uniform(-0.5, 0.5, 300)])
+    a = rng.uniform((-0.5, 0, -0.5), (0.5, 0.2, 0.5), (300, 3))
+    a[::2, 1] = 0
     b = a + (np.arange(300) % 3 > 0)[:, None] * rng.normal(size=(300, 3)) * 0.2
     more = np.stack([a, b, (a + b) / 2], axis=1).reshape(-1, 3)
     return np.concatenate([vertices, more]), np.concatenate([faces, 4 + np.arange(900).reshape(300, 3)])
