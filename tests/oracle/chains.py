@@ -19,7 +19,7 @@ def world_of(sampler: Sampler) -> World:
     device = sampler.device_scene
     initial = sampler.compiled.arrays["evenness"]
     buffer = device.buffers[list(SCENE_ARGUMENTS).index("evenness")]
-    return World(sampler.compiled, device.read(buffer, initial.dtype, initial.shape))
+    return World(sampler.compiled, device.read(buffer, initial.dtype, initial.shape), sampler.settings.aim)
 
 
 def read_states(sampler: Sampler) -> Array:

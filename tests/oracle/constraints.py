@@ -17,17 +17,25 @@ from .scene import World
 from .tangents import Tangents
 from .vectors import Array, any_tangent, dot, unit
 
+KINDS = {"lobe": "lobes", "hole": "holes", "object": "objects", "normal": "normals"}  # as the setting calls them
+
 
 @dataclass
 class Rows:
-    """Rows (n, 2m) over their widths, and which constraint each belongs to: M of eq. (21) counts constraints, not rows."""
+    """Rows (n, 2m) over their widths, and which constraint each belongs to: M of eq. (21) counts constraints, not rows.
 
+    A constraint's name begins with its kind; ``left_out`` are kinds that the setting leaves out.
+    """
+
+    left_out: set[str]
     rows: list[Array] = field(default_factory=list)
     owners: list[Array] = field(default_factory=list)
     names: dict[Any, int] = field(default_factory=dict)
 
-    def add(self, name: Any, row: Array, present: Array) -> None:
+    def add(self, name: tuple[Any, ...], row: Array, present: Array) -> None:
         """A row of constraint ``name``, for the paths that have it."""
+        if name[0] in self.left_out:
+            return
         self.rows.append(np.where(present[:, None], row, 0))
         self.owners.append(np.where(present, self.names.setdefault(name, len(self.names)), -1))
 
@@ -67,7 +75,7 @@ def lobe_axes(s: Surface, v: Array, reference: Array) -> tuple[Array, Array, Arr
 
 def constraint_rows(charts: Charts, tangents: Tangents) -> Rows:
     """Every constraint that the paths have."""
-    rows = Rows()
+    rows = Rows({kind for kind, word in KINDS.items() if word not in charts.settings.constraints})
     nodes, normals = tangents.of(lambda moved: moved.paths.x), tangents.of(lambda moved: moved.paths.ns)
     for j in range(1, charts.m + 1):
         _own_coordinates(rows, charts, j)
@@ -91,7 +99,7 @@ def _own_coordinates(rows: Rows, charts: Charts, j: int) -> None:
         column[:, 2 * j - 2 + k] = 1
         rows.add(("bound", j), column / (distance * bound)[:, None], everyone)
         for index, aperture in enumerate(world.arrays["apertures"]):
-            rows.add(("aperture", j, index, k), column / float(aperture["half_size"][k]), kinds == APERTURE + index)
+            rows.add(("hole", j, index, k), column / float(aperture["half_size"][k]), kinds == APERTURE + index)
     if j > 1:
         axes = lobe_axes(surface(world, base, j - 1), base.v[:, j - 1], charts.anchor[:, j])
         for axis, width in zip(axes[:2], axes[2].T, strict=True):
@@ -162,13 +170,13 @@ def _dependent_lobes(rows: Rows, charts: Charts, tangents: Tangents) -> None:
         change = turned[:, m + 1] - np.where(diffuse[:, None, None], 0, references[:, m + 1])
         inward, sideways, widths = lobe_axes(here, base.v[:, m], s)
         for axis, width in ((inward, widths[:, 0]), (sideways, widths[:, 1])):
-            rows.add("last lobe", np.einsum("ni,nik->nk", axis, change) / width[:, None], np.ones(len(s), bool))
+            rows.add(("lobe", "last"), np.einsum("ni,nik->nk", axis, change) / width[:, None], np.ones(len(s), bool))
     if m + 1 < base.length:
         here = surface(world, base, m + 1)
         glossy = (here.lobe != DIFFUSE) & bool(world.features["HAS_NARROW"])
         inward, sideways, widths = lobe_axes(here, base.v[:, m + 1], reference_direction(here, base.v[:, m + 1]))
         for axis, width in ((inward, widths[:, 0]), (sideways, widths[:, 1])):
-            rows.add("next lobe", -np.einsum("ni,nik->nk", axis, references[:, m + 2]) / width[:, None], glossy)
+            rows.add(("lobe", "next"), -np.einsum("ni,nik->nk", axis, references[:, m + 2]) / width[:, None], glossy)
 
 
 def preconditioner(charts: Charts, tangents: Tangents | None = None) -> Array:

@@ -11,7 +11,7 @@ from .scene import World
 from .vectors import Array, dot
 
 AIM_MARGIN = 1.002  # apertures are aimed at with this margin, and 1e-6 scene radii
-AIM_FROM_LIGHT, AIM_FROM_NODE, AIM_FROM_CAMERA = 0.5, 0.25, 0.1
+AIM_FROM_LIGHT, AIM_FROM_NODE, AIM_FROM_CAMERA = 0.5, 0.25, 0.1  # the latter two where aiming is done everywhere
 
 
 def aimed_half_size(target: np.void) -> Array:
@@ -44,9 +44,15 @@ def target_density(target: np.void, x: Array, direction: Array) -> Array:
         return np.where(inside, t**2 / (4.0 * half[0] * half[1] * np.abs(cosine)), 0)
 
 
+def aim_share(world: World, share: float) -> float:
+    """How often a direction aims: the light's always do with their share, the others where the setting says so."""
+    return share if share == AIM_FROM_LIGHT or world.aim == "everywhere" else 0.0
+
+
 def aimed(world: World, x: Array, direction: Array, otherwise: Array, share: float) -> Array:
     """Density of a direction aimed at one of the targets with probability ``share``."""
     targets = world.arrays["targets"]
+    share = aim_share(world, share)
     if not len(targets):
         return otherwise
     total = sum(target_density(target, x, direction) for target in targets)

@@ -56,9 +56,7 @@ def complete(world: World, length: int, ending: int, light: Array, triangle: Arr
     return Paths(length, ending, light, triangle, lobe, x, v, t, ng, ns, tint)
 
 
-def paths_through(
-    world: World, length: int, ending: int, light: Array, triangle: Array, weights: Array, lobe: Array
-) -> Paths:
+def paths_through(world: World, length: int, ending: int, light: Array, triangle: Array, weights: Array, lobe: Array) -> Paths:
     """Paths through the given points (barycentric ``weights``) of ``triangle`` (n, K); -1: the light itself."""
     n = len(light)
     x = np.zeros((n, length + 1, 3))

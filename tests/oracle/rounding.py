@@ -10,6 +10,7 @@ and large enough for float64 to see it, and q's change is divided by it.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,29 +35,38 @@ class Rounding:
         return complete(world, paths.length, paths.ending, paths.light, paths.triangle, paths.lobe, x)
 
     def relative(self, values: Array) -> Array:
-        """Each number off by a part of itself."""
+        """Each number off by a part of itself; whole numbers stay."""
+        if values.dtype.kind in "iu":
+            return values
         return values * (1 + SIZE * self.rng.uniform(-1, 1, values.shape))
 
 
-def largest(changes: Array) -> Array:
-    """The largest (n,) over draws (d, n, …) and components of |changes| / SIZE, jumps to nowhere left out."""
-    flat = np.abs(np.nan_to_num(changes, nan=0, posinf=0, neginf=0)).reshape(*changes.shape[:2], -1)
-    return flat.max(axis=(0, 2)) / SIZE
+class Quantity(NamedTuple):
+    """What the oracle says, (n, …), and its κ (n,)."""
+
+    value: Array
+    kappa: Array
+
+    def roundings(self, kernel: Array, epsilon: float) -> Array:
+        """|kernel - value| (n,), the largest of its components, in units of ε (1 + |value| + κ)."""
+        own = tuple(range(1, self.value.ndim))
+        size, error = np.abs(self.value).max(axis=own, initial=0), np.abs(kernel - self.value).max(axis=own, initial=0)
+        return error / (epsilon * (1 + size + self.kappa))
 
 
-def condition(function: Callable[[Paths, Rounding | None], Array], world: World, paths: Paths) -> tuple[Array, Array]:
-    """(q = function(paths, None) (n, …), its κ (n,)); the function hands its second argument on to Tangents."""
-    q = function(paths, None)
-    changes = []
-    with np.errstate(invalid="ignore"):
-        for seed in range(DRAWS):
-            rounding = Rounding(seed)
-            changes.append(function(rounding.nodes(world, paths), rounding) - q)
-    return q, largest(np.stack(changes))
+def condition(function: Callable[..., dict[str, Array]], world: World, paths: Paths, *numbers: Array) -> dict[str, Quantity]:
+    """The quantities that function(paths, rounding, *numbers) gives by name, each (n, …), with their κ.
 
-
-def in_roundings(kernel: Array, oracle: Array, kappa: Array, epsilon: float) -> Array:
-    """|kernel - oracle| (n, …), the largest of its components, in units of ε (1 + |oracle| + κ)."""
-    size = np.abs(oracle).reshape(len(oracle), -1).max(axis=1)
-    error = np.abs(kernel - oracle).reshape(len(oracle), -1).max(axis=1)
-    return error / (epsilon * (1 + size + kappa))
+    ``rounding``, which is None for the value itself, is for the function to apply to derivatives and to what it makes.
+    """
+    values = function(paths, None, *numbers)
+    n, rounding = len(paths.light), Rounding(0)
+    often = np.tile(np.arange(n), DRAWS)
+    moved = function(rounding.nodes(world, paths.take(often)), rounding, *(rounding.relative(a[often]) for a in numbers))
+    out = {}
+    for name, value in values.items():
+        with np.errstate(invalid="ignore"):
+            change = moved[name].reshape(DRAWS, *value.shape) - value
+        change = np.abs(np.nan_to_num(change, nan=0, posinf=0, neginf=0))  # jumps to nowhere left out
+        out[name] = Quantity(value, change.max(axis=(0, *range(2, change.ndim)), initial=0) / SIZE)
+    return out

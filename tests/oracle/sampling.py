@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .independent import AIM_FROM_CAMERA, AIM_FROM_LIGHT, AIM_FROM_NODE, aimed_half_size, cone_of_sphere
+from .independent import AIM_FROM_CAMERA, AIM_FROM_LIGHT, AIM_FROM_NODE, aim_share, aimed_half_size, cone_of_sphere
 from .integrand import film_direction
 from .lobes import DIELECTRIC_REFLECT, DIFFUSE, REFLECT, TRANSMIT, Surface
 from .microfacet import fresnel, visible_normal
@@ -41,7 +41,7 @@ def sample_aim(world: World, x: Array, share: float, streams: Streams, wanted: A
     direction, aimed = np.zeros(x.shape), np.zeros(len(x), bool)
     if not len(targets):
         return direction, aimed
-    aimed = wanted & (streams.uniform(wanted) < share)
+    aimed = wanted & (streams.uniform(wanted) < aim_share(world, share))
     chosen = streams.index(len(targets), aimed)
     u1, u2 = streams.uniform(aimed), streams.uniform(aimed)
     for index, target in enumerate(targets):

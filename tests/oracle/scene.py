@@ -14,10 +14,13 @@ LUMINANCE = np.array([0.212671, 0.715160, 0.072169])
 
 
 class World:
-    """A compiled scene in float64. ``evenness``: the target's weights on a grid over the film, ones unless given."""
+    """A compiled scene in float64. ``evenness``: the target's weights on a grid over the film, ones unless given.
 
-    def __init__(self, compiled: CompiledScene, evenness: Array | None = None) -> None:
-        self.evenness = evenness
+    ``aim``: from where paths are aimed at targets, as in Settings.
+    """
+
+    def __init__(self, compiled: CompiledScene, evenness: Array | None = None, aim: str = "everywhere") -> None:
+        self.evenness, self.aim = evenness, aim
         self.arrays, self.features = compiled.arrays, compiled.features
         a = compiled.arrays
         self.corners = a["vertices"].astype(float)[a["faces"]]

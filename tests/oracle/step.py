@@ -57,7 +57,7 @@ def block_allowed(world: World, paths: Paths, m: int, settings: Settings) -> Arr
     n = len(paths.light)
     if m == paths.free:
         return np.ones(n, bool)
-    if settings.coordinates != "target":
+    if not settings.blocks or settings.coordinates != "target":
         return np.zeros(n, bool)
     wide_next = m + 1 == paths.length or ~surface(world, paths, m + 1).narrow
     return ~surface(world, paths, m).narrow & wide_next
@@ -101,7 +101,14 @@ def log_gauss(xi: Array) -> Array:
 
 
 def small_step(
-    world: World, paths: Paths, m: int, settings: Settings, h: Array, xi: Array, fault: str = "", onto: Array | None = None,
+    world: World,
+    paths: Paths,
+    m: int,
+    settings: Settings,
+    h: Array,
+    xi: Array,
+    fault: str = "",
+    onto: Array | None = None,
     rounding: Rounding | None = None,
 ) -> Step:
     """δX = a δt + h T ξ in the charts of X, xi (n, 2 m), and the density of the way back from X̂ with its own charts.
