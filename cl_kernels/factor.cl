@@ -28,10 +28,12 @@ void factor_add_row(Factor *factor, Row *row, int first) {
         if (w == 0.0) continue;
         real diagonal = factor_entry(factor, k, k);
         real updated = sqrt(diagonal * diagonal + w * w);
-        real c = updated / diagonal, s = w / diagonal, inverse_c = diagonal / updated;
+        // a rotation of (column, row): the row's rest is not taken from the new column, which loses all digits for w >> diagonal
+        real s = w / updated, c = diagonal / updated;
         for (int b = k / LANES; b < blocks; b++) {
-            factor->column[k][b] = (factor->column[k][b] + s * row->block[b]) * inverse_c;
-            row->block[b] = c * row->block[b] - s * factor->column[k][b];
+            real8 column = factor->column[k][b];
+            factor->column[k][b] = c * column + s * row->block[b];
+            row->block[b] = c * row->block[b] - s * column;
         }
     }
 }
