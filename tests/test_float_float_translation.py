@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import re
+import shutil
+import subprocess
 from unittest.mock import patch
 
 import numpy as np
@@ -248,3 +250,9 @@ def test_kernels_translate_and_hold_no_fp64(source, scene, settings):
     """Without this a device that has no fp64 could not compile them."""
     text = translated(source, scene, **settings)
     assert "ff3_add(" in text and fp64_left(text) == []
+    clang = next((path for name in ("clang", *(f"clang-{n}" for n in range(25, 12, -1))) if (path := shutil.which(name))), None)
+    if clang:  # a compiler for a device without a single extension
+        command = [clang, "-x", "cl", "-cl-std=CL1.2", "-target", "spir64", "-fsyntax-only", "-Werror=double-promotion"]
+        command += [part for option in ("-finclude-default-header", "-cl-ext=-all") for part in ("-Xclang", option)]
+        result = subprocess.run([*command, "-"], input=text, capture_output=True, text=True)
+        assert result.returncode == 0 and "fp64" not in result.stderr, result.stderr
