@@ -64,7 +64,7 @@ class View:
     origin: RGB
     target: RGB
     fov: float
-    size: tuple[int, int] = (24, 24)
+    size: tuple[int, int] = (16, 16)
     up: RGB = (0.0, 1.0, 0.0)
 
 

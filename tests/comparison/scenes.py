@@ -124,7 +124,7 @@ def lamp_in_water() -> Description:
     )
     return Description("lamp-in-water", "one interface, seen from outside, the light in the medium",
                        View((0.1, 2.3, 2.4), (0, 0.5, -0.2), 44), surfaces,
-                       (Point((-0.6, 0.5, 0.3), (2, 2, 2)),), 4)  # fmt: skip
+                       (Point((-0.6, 0.5, 1.6), (4, 4, 4)),), 4)  # fmt: skip
 
 
 def lamp_over_water() -> Description:
