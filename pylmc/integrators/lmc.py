@@ -27,9 +27,10 @@ class LangevinMonteCarlo:
     def seconds(self) -> dict[str, float]:
         return self.sampler.seconds
 
-    def prepare(self, seed: int, quick: bool) -> None:
+    def prepare(self, seed: int, quick: bool, candidates: int | None = None) -> None:
         gpu = self.sampler.device_scene.device.type & cl.device_type.GPU
-        self.sampler.init(seed, CHAINS_GPU if gpu else CHAINS_CPU, 1 << 16 if quick else 1 << 18)
+        candidates = candidates or (1 << 16 if quick else 1 << 18)
+        self.sampler.init(seed, CHAINS_GPU if gpu else CHAINS_CPU, candidates)
         depth = self.sampler.settings.max_depth
         self.proposed = np.zeros((len(self.sampler.groups), depth + 1))
         self.acceptance = np.zeros_like(self.proposed)

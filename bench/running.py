@@ -1,0 +1,116 @@
+"""What the benches share: one run of an integrator, looked at on the way, and references made of long runs."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from pylmc.integrators.bdpt import Bidirectional
+from pylmc.integrators.lmc import LangevinMonteCarlo
+from pylmc.integrators.path import PathTracer
+from pylmc.sampler import STEPS_PER_LAUNCH, Sampler
+from pylmc.scene import Scene
+from pylmc.statistics import LUMINANCE
+
+WORKERS = {"lmc": LangevinMonteCarlo, "bdpt": Bidirectional, "path": PathTracer}
+CANDIDATES = 1 << 15  # of the start, per path length and ending: little, so that the run itself decides
+CHAINS = 4096
+
+
+@dataclass
+class Trace:
+    """A run's pictures on the way: seconds and mutations (samples) so far, the luminance (height, width) at each stop."""
+
+    seconds: list[float] = field(default_factory=list)
+    work: list[int] = field(default_factory=list)
+    pictures: list[np.ndarray] = field(default_factory=list)
+    diagnostics: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def rate(self) -> float:
+        """Mutations (samples) per second of run time."""
+        return self.work[-1] / self.seconds[-1]
+
+
+def run(sampler: Sampler, seconds: float, seed: int, integrator: str = "lmc", stops: Sequence[float] = (1.0,)) -> Trace:
+    """Run for ``seconds`` and look at the picture at the given parts of it. The set-up does not count."""
+    worker: Any = WORKERS[integrator](sampler)
+    if integrator == "lmc":
+        worker.prepare(seed, quick=True, candidates=CANDIDATES)
+    else:
+        worker.prepare(seed, quick=True)
+    trace, pending = Trace(), list(stops)
+    spent = 0.0
+    while pending:
+        before = time.perf_counter()
+        worker.advance()
+        spent += time.perf_counter() - before
+        while pending and spent >= seconds * pending[0]:
+            pending.pop(0)
+            trace.seconds.append(spent)
+            trace.work.append(worker.done)
+            trace.pictures.append(worker.image() @ LUMINANCE)
+    trace.diagnostics = worker.diagnostics()
+    return trace
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Luminance by greatest path length: ``mean[k]`` and ``variance[k]`` (of the mean), (height, width), for lengths to k."""
+
+    mean: dict[int, np.ndarray]
+    variance: dict[int, np.ndarray]
+
+
+def reference(scene: Scene, depths: Sequence[int], seconds: float, runs: int = 6, device: Any = None) -> Reference:
+    """A long double-precision reference: ``runs`` independent runs with all paths, summed up to each of ``depths``."""
+    sampler = Sampler(scene, device=device, precision="double", max_depth=max(depths))
+    pictures: dict[int, list[np.ndarray]] = {depth: [] for depth in depths}
+    for index in range(runs):
+        sampler.init(seed=900_000 + index, chains=CHAINS, candidates=4 * CANDIDATES)
+        start = time.perf_counter()
+        while time.perf_counter() - start < seconds / runs:
+            sampler.step(STEPS_PER_LAUNCH)
+            sampler.counters()
+        films = sampler.films() @ LUMINANCE
+        for depth in depths:
+            total = np.zeros(films.shape[1:])
+            for film, group in zip(films, sampler.groups, strict=True):
+                if group.length <= depth:
+                    total += film * (group.b * sampler.film_pixels / (max(group.steps, 1) * group.chains))
+            pictures[depth].append(total * sampler.compiled.radiance_scale)
+    return Reference({k: np.mean(p, axis=0) for k, p in pictures.items()},
+                     {k: np.var(p, axis=0, ddof=1) / runs for k, p in pictures.items()})  # fmt: skip
+
+
+def relative_mse(picture: np.ndarray, mean: np.ndarray, variance: np.ndarray) -> float:
+    """relMSE of a luminance picture without the worst 0.1 % of its pixels, less what the reference's own noise adds."""
+    floor = 1e-2 * float(mean.mean()) ** 2
+    error = np.sort(((picture - mean) ** 2 / (mean**2 + floor)).ravel())
+    noise = np.sort((variance / (mean**2 + floor)).ravel())
+    kept = error.size - int(np.ceil(1e-3 * error.size))
+    return float(error[:kept].mean() - noise[:kept].mean())
+
+
+def cell_bias(pictures: Sequence[np.ndarray], mean: np.ndarray, variance: np.ndarray, cells: int = 16) -> tuple[float, float]:
+    """(bias, its noise): root mean square over cells × cells of the film of the relative deviation of the pictures' mean.
+
+    What the pictures' own spread (one picture an independent seed) and the reference's explain is taken off; the noise is
+    about what would be found where there is no bias.
+    """
+    blocks = [_cells(picture, cells) for picture in pictures]
+    truth = _cells(mean, cells)
+    spread = np.var(blocks, axis=0, ddof=1) / len(blocks) + _cells(variance, cells) / (mean.size / cells**2)
+    scale = truth**2 + 1e-2 * truth.mean() ** 2
+    excess = ((np.mean(blocks, axis=0) - truth) ** 2 - spread) / scale
+    noise = np.sqrt(2 / excess.size) * float((spread / scale).mean())
+    return float(np.sqrt(max(excess.mean(), 0.0))), float(np.sqrt(noise))
+
+
+def _cells(picture: np.ndarray, cells: int) -> np.ndarray:
+    height, width = picture.shape
+    return picture.reshape(cells, height // cells, cells, width // cells).mean(axis=(1, 3))

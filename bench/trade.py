@@ -1,0 +1,120 @@
+"""Speed against accuracy, measured: every named approximation against its exact form.
+
+    python -m bench.trade                      all four scenes, three seeds of 3 s each (about 45 minutes)
+    python -m bench.trade --seconds 1 --only box --reference 20
+    python -m bench.trade --page               write the table, the plots and docs/trade.md from what was measured before
+
+Each scene has a long reference in double precision by other seeds. Each option runs for the same time with each seed, the
+options taking turns, and is looked at on the way. The error is relMSE of luminance per pixel without the worst 0.1 %, at
+equal time and at equal mutations (read off the option's own curve). Bias is what is left when the seeds' pictures are
+averaged and their spread is taken off. Writes trade.json, trade.md, trade.png and unit_jacobian.png into --out, and
+docs/trade.md beside it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+import pylmc
+from pylmc.compiled import compile_scene
+from pylmc.devices import select
+from pylmc.sampler import Sampler
+
+from .running import Reference, Trace, cell_bias, reference, relative_mse, run
+from .trade_options import DEPTH, OPTIONS, Option, applies
+from .trade_page import write_page
+from .unit_jacobian import measure_unit_jacobian
+
+SCENES = ("keyhole", "caustic", "glints", "box")
+STOPS = (1 / 8, 1 / 4, 1 / 2, 1.0)
+
+
+def measure(name: str, args: argparse.Namespace) -> list[dict[str, Any]]:
+    """One row an option: errors, bias, rates."""
+    scene = pylmc.load(name, width=args.size, height=args.size)
+    depths = sorted({option.depth for option in OPTIONS})
+    print(f"{name}: reference of {args.reference:g} s", flush=True)
+    truth = reference(scene, depths, args.reference, device=args.device)
+    compiled = compile_scene(scene)
+    options = [option for option in OPTIONS if applies(option, compiled)]
+    samplers = {}
+    for option in options:
+        settings = {"max_depth": DEPTH, **option.settings}
+        samplers[option.name] = Sampler(scene, device=args.device, **settings)
+        run(samplers[option.name], 1e-9, 0, option.integrator)  # compiles
+    traces: dict[str, list[Trace]] = {option.name: [] for option in options}
+    for seed in range(args.seeds):
+        for option in options:
+            traces[option.name].append(run(samplers[option.name], args.seconds, seed, option.integrator, STOPS))
+        print(f"{name}: seed {seed} done", flush=True)
+    goal = median(trace.work[-1] for trace in traces["default"])
+    rows = [row(name, option, traces[option.name], truth, args.seconds, goal) for option in options]
+    of = {entry["option"]: entry for entry in rows}
+    for entry, option in zip(rows, options, strict=True):
+        base = of.get("default" if option.name == "default" else option.against, of["default"])
+        entry["against"] = base["option"]
+        for key in ("equal_time", "equal_work", "per_second"):
+            entry[f"{key}_ratio"] = entry[key] / base[key]
+    return rows
+
+
+def row(scene: str, option: Option, traces: list[Trace], truth: Reference, seconds: float, goal: float) -> dict[str, Any]:
+    """An option's figures, medians over its seeds. The truth is longer paths too where the option is about max depth."""
+    depth = max(truth.mean) if "max_depth" in option.settings else DEPTH
+    mean, variance = truth.mean[depth], truth.variance[depth]
+    curves = [[max(relative_mse(picture, mean, variance), 1e-9) for picture in trace.pictures] for trace in traces]
+    bias, noise = cell_bias([trace.pictures[-1] for trace in traces], mean, variance)
+    return {
+        "scene": scene, "option": option.name, "integrator": option.integrator, "settings": option.settings,
+        "seconds": [median(t.seconds[i] for t in traces) for i in range(len(curves[0]))],
+        "errors": [median(curve[i] for curve in curves) for i in range(len(curves[0]))],
+        "equal_time": median(at(seconds, trace.seconds, curve) for trace, curve in zip(traces, curves, strict=True)),
+        "equal_work": median(at(goal, trace.work, curve) for trace, curve in zip(traces, curves, strict=True)),
+        "bias": bias, "bias_noise": noise, "per_second": median(trace.rate for trace in traces),
+        "ess_per_second": median(t.diagnostics.get("ess", 0.0) / t.seconds[-1] for t in traces),
+        "acceptance": median(t.diagnostics.get("acceptance", float("nan")) for t in traces),
+        "not_finite": sum(t.diagnostics.get("not_finite_rejected", 0) for t in traces),
+        "finite": all(np.isfinite(picture).all() for trace in traces for picture in trace.pictures),
+    }  # fmt: skip
+
+
+def at(goal: float, amounts: list[float] | list[int], errors: list[float]) -> float:
+    """The error at an amount of time or work: read off the curve, and beyond its end in proportion to one over it."""
+    if goal <= amounts[-1]:
+        return float(np.exp(np.interp(np.log(goal), np.log(amounts), np.log(errors))))
+    return errors[-1] * amounts[-1] / goal
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--only", choices=SCENES, action="append", help="these scenes (default: all)")
+    parser.add_argument("--seconds", type=float, default=3, help="run time of each render (default 3)")
+    parser.add_argument("--seeds", type=int, default=3, help="renders per option, at least 2 (default 3)")
+    parser.add_argument("--reference", type=float, default=180, help="run time of each scene's reference (default 180)")
+    parser.add_argument("--size", type=int, default=128, help="pixels per side, a multiple of 16 (default 128)")
+    parser.add_argument("--device", default=None, help="as for pylmc render")
+    parser.add_argument("--out", type=Path, default=Path("docs/trade"), help="folder for the results (default docs/trade)")
+    parser.add_argument("--page", action="store_true", help="only write the table, plots and page again")
+    args = parser.parse_args()
+    args.out.mkdir(parents=True, exist_ok=True)
+    store = args.out / "trade.json"
+    found: dict[str, Any] = json.loads(store.read_text(encoding="utf-8")) if store.exists() else {}
+    if not args.page:
+        for name in args.only or SCENES:
+            found[name] = measure(name, args)
+            found["how"] = {"seconds": args.seconds, "seeds": args.seeds, "reference": args.reference, "size": args.size,
+                            "device": select(args.device).name.strip()}  # fmt: skip
+            store.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+        found["unit_jacobian"] = measure_unit_jacobian(args.device)
+        store.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    write_page(found, args.out)
+
+
+if __name__ == "__main__":
+    main()

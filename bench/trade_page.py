@@ -1,0 +1,209 @@
+"""What ``bench.trade`` found, as a table, two plots and a page in words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+SCENES = ("keyhole", "caustic", "glints", "box")
+LABELLED = 6  # options named in each panel: those on the front, then the best
+HEADER = ("| scene | option | against | error, equal time | ratio | error, equal mutations | ratio | bias | mutations/s "
+          "| ratio | ESS/s | acceptance |\n|---|---|---|---|---|---|---|---|---|---|---|---|")  # fmt: skip
+
+
+def line(row: dict[str, Any]) -> str:
+    """A row of the table in Markdown; a bias within twice its noise is given as what it is below."""
+    bias, noise = 100 * row["bias"], 100 * row["bias_noise"]
+    shown = f"{bias:.1f} %" if bias > 2 * noise else f"< {2 * noise:.1f} %"
+    ess = f"{row['ess_per_second']:.3g}" if row["ess_per_second"] else ""
+    accepted = f"{row['acceptance']:.2f}" if np.isfinite(row["acceptance"]) else ""
+    against = "" if row["option"] == row["against"] else row["against"]
+    return (f"| {row['scene']} | {row['option']} | {against} | {row['equal_time']:.3g} | {row['equal_time_ratio']:.2f} "
+            f"| {row['equal_work']:.3g} | {row['equal_work_ratio']:.2f} | {shown} | {row['per_second']:.3g} "
+            f"| {row['per_second_ratio']:.2f} | {ess} | {accepted} |")  # fmt: skip
+
+
+def plot(found: dict[str, Any], path: Path) -> None:
+    """Error against time, a panel a scene, with the Pareto front drawn: no option there is worse in both."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot as plt
+
+    names = [name for name in SCENES if name in found]
+    figure, panels = plt.subplots(2, 2, figsize=(13, 10), layout="constrained")
+    for panel, name in zip(panels.flat, names, strict=False):
+        rows = found[name]
+        points = sorted((t, e, row["option"]) for row in rows for t, e in zip(row["seconds"], row["errors"], strict=True))
+        front, best = [], np.inf
+        for t, e, option in points:
+            if e < best:
+                best = e
+                front.append((t, e, option))
+        shown = list(dict.fromkeys([option for *_, option in front] + ["default", "path", "bdpt"]))[: LABELLED + 3]
+        colours = plt.get_cmap("tab10")
+        for row in rows:
+            known = row["option"] in shown
+            colour = colours(shown.index(row["option"]) % 10) if known else "0.8"
+            style: dict[str, Any] = {"lw": 1.6, "marker": "o", "zorder": 3, "label": row["option"]} if known else {"lw": 0.7}
+            panel.loglog(row["seconds"], row["errors"], color=colour, ms=3, **style)
+        times, errors = [t for t, *_ in front], [e for _, e, _ in front]
+        panel.loglog(times, errors, color="k", lw=3, alpha=0.35, zorder=2, label="Pareto front")
+        panel.set(title=name, xlabel="run time [s]", ylabel="relMSE without the worst 0.1 %")
+        panel.grid(True, which="both", alpha=0.2)
+        panel.legend(fontsize=8)
+    figure.suptitle("Error against time; every option in grey, those on the front and the baselines in colour")
+    figure.savefig(path, dpi=80)
+    plt.close(figure)
+
+
+def plot_unit_jacobian(rows: list[dict[str, float]], path: Path) -> None:
+    """Bias of the printed unit Jacobian against roughness, with the exact chart's noise."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot as plt
+
+    figure, panel = plt.subplots(figsize=(6.5, 4), layout="constrained")
+    alpha = [row["alpha"] for row in rows]
+    panel.loglog(alpha, [row["unit"] for row in rows], "o-", label="orthographic-unit (as printed)")
+    panel.loglog(alpha, [row["exact"] for row in rows], "s--", color="0.5", label="orthographic (exact): noise")
+    panel.set(xlabel="GGX roughness of all walls", ylabel="relative deviation of the film's cells")
+    panel.set_title("The unit Jacobian's bias")
+    panel.grid(True, which="both", alpha=0.2)
+    panel.legend()
+    figure.savefig(path, dpi=80)
+    plt.close(figure)
+
+
+def _rows(found: dict[str, Any], option: str) -> dict[str, dict[str, Any]]:
+    return {name: row for name in SCENES for row in found.get(name, []) if row["option"] == option}
+
+
+def mean_ratio(found: dict[str, Any], option: str, key: str) -> float:
+    """Geometric mean over the scenes of an option's ratio to what it stands against; NaN where no scene has it."""
+    values = [row[f"{key}_ratio"] for row in _rows(found, option).values()]
+    return float(np.exp(np.mean(np.log(values)))) if values else float("nan")
+
+
+def _each(found: dict[str, Any], option: str, key: str) -> str:
+    return ", ".join(f"{name} {row[f'{key}_ratio']:.2f}" for name, row in _rows(found, option).items())
+
+
+def _compared(found: dict[str, Any], option: str, label: str) -> str:
+    return (f"| {label} | {mean_ratio(found, option, 'equal_time'):.2f} | {mean_ratio(found, option, 'equal_work'):.2f} "
+            f"| {mean_ratio(found, option, 'per_second'):.2f} | {_each(found, option, 'equal_time')} |")  # fmt: skip
+
+
+def biased(found: dict[str, Any]) -> list[str]:
+    """Options whose bias is beyond twice its noise, and beyond the default's, by scene."""
+    out = []
+    for name in SCENES:
+        base = next((row for row in found.get(name, []) if row["option"] == "default"), None)
+        for row in found.get(name, []):
+            if base and row["bias"] > 2 * row["bias_noise"] and row["bias"] > base["bias"] + 2 * base["bias_noise"]:
+                out.append(f"{row['option']} on {name}: {100 * row['bias']:.1f} %")
+    return out
+
+
+def findings(found: dict[str, Any]) -> str:
+    """The page's text, figures from the measurement alone."""
+    how = found["how"]
+    drift, drift_d = (mean_ratio(found, o, "equal_time") for o in ("drift", "drift, deviation charts"))
+    isotropic = {o: mean_ratio(found, o, "equal_time") for o in
+                 ("isotropic, blocks", "isotropic, whole steps", "isotropic, deviation charts")}  # fmt: skip
+    charts = mean_ratio(found, "deviation charts", "equal_time")
+    whole = mean_ratio(found, "whole steps", "equal_time")
+    gains = {"the target charts (against deviation charts)": charts, "blocks (against whole steps)": whole,
+             "the preconditioner, in target charts with blocks (against isotropic steps)": isotropic["isotropic, blocks"],
+             "the preconditioner, in target charts, whole steps": isotropic["isotropic, whole steps"],
+             "the preconditioner, in deviation charts": isotropic["isotropic, deviation charts"],
+             "large steps at 0.2 (against 0.05)": mean_ratio(found, "large steps 0.05", "equal_time"),
+             "small steps (against large steps alone)": mean_ratio(found, "large steps alone", "equal_time"),
+             "the evened target": mean_ratio(found, "target not evened", "equal_time"),
+             "drift": 1 / drift}  # fmt: skip
+    ranked = sorted(gains.items(), key=lambda item: -item[1])
+    verdict = "does not pay" if min(drift, drift_d) > 0.97 else "pays"
+    largest = ranked[0][0]
+    text = [
+        f"Each scene at {how['size']} × {how['size']} pixels and paths of up to 8 segments, {how['seeds']} seeds of "
+        f"{how['seconds']:g} s on {how['device']}; the reference is a run of {how['reference']:g} s in double precision by "
+        "other seeds. Ratios below one are better than what the option stands against, above one worse.",
+        "",
+        "![error against time](trade/trade.png)",
+        "",
+        "## Is the follow-up paper right?",
+        "",
+        "The group's own follow-up (Mathematics 2024, 12(21), 3437) says that drift can be dropped because it does not improve "
+        "convergence, and that the preconditioner gives the largest gain while needing no gradient.",
+        "",
+        f"**Drift {verdict}.** With it the error at equal time is {drift:.2f} times that without in target charts "
+        f"({_each(found, 'drift', 'equal_time')}) and {drift_d:.2f} times in deviation charts "
+        f"({_each(found, 'drift, deviation charts', 'equal_time')}). At equal mutations it is "
+        f"{mean_ratio(found, 'drift', 'equal_work'):.2f} and {mean_ratio(found, 'drift, deviation charts', 'equal_work'):.2f}.",
+        "",
+        f"**The preconditioner** lowers the error at equal time by {isotropic['isotropic, deviation charts']:.2f} in deviation "
+        f"charts, the paper's own phase space, by {isotropic['isotropic, whole steps']:.2f} in target charts with whole steps "
+        f"and by {isotropic['isotropic, blocks']:.2f} with blocks (geometric means over the scenes; by scene: "
+        f"{_each(found, 'isotropic, deviation charts', 'equal_time')} in deviation charts, "
+        f"{_each(found, 'isotropic, blocks', 'equal_time')} with blocks). The largest gain of all measured is {largest}:",
+        "",
+        "| what | error without it over error with it, at equal time |",
+        "|---|---|",
+        *(f"| {name} | {gain:.2f} |" for name, gain in ranked),
+        "",
+        "## The options",
+        "",
+        "Geometric means over the scenes in which the option changes anything.",
+        "",
+        "| option | equal time | equal mutations | mutations/s | equal time by scene |",
+        "|---|---|---|---|---|",
+        *(_compared(found, option, option + (f" (against {against})" if against != "default" else ""))
+          for option, against in _all_options(found)),
+        "",
+        f"Bias beyond twice the noise of its measurement (and beyond the default's): {'; '.join(biased(found)) or 'none'}.",
+        "",
+    ]  # fmt: skip
+    if "unit_jacobian" in found:
+        text += [
+            "## The unit Jacobian",
+            "",
+            "The preprint takes the orthographic chart's Jacobian as one. Small steps alone, deviation coordinates, a box "
+            "whose walls all have the same roughness (`bench/unit_jacobian.py`):",
+            "",
+            "![bias against roughness](trade/unit_jacobian.png)",
+            "",
+            "| roughness | deviation of the film's cells, as printed | with the exact Jacobian (noise) |",
+            "|---|---|---|",
+            *(f"| {row['alpha']:g} | {100 * row['unit']:.1f} % | {100 * row['exact']:.1f} % |"
+              for row in found["unit_jacobian"]),
+            "",
+        ]
+    return "\n".join(text)
+
+
+def _all_options(found: dict[str, Any]) -> list[tuple[str, str]]:
+    seen: dict[str, str] = {}
+    for name in SCENES:
+        for row in found.get(name, []):
+            if row["option"] != "default":
+                seen.setdefault(row["option"], row["against"])
+    return list(seen.items())
+
+
+def write_page(found: dict[str, Any], folder: Path) -> None:
+    """trade.md, the plots, and the page beside the folder, whose hand-written end (from its marker on) is kept."""
+    table = "\n".join([HEADER, *(line(row) for name in SCENES for row in found.get(name, []))])
+    (folder / "trade.md").write_text(table + "\n", encoding="utf-8")
+    plot(found, folder / "trade.png")
+    if "unit_jacobian" in found:
+        plot_unit_jacobian(found["unit_jacobian"], folder / "unit_jacobian.png")
+    page = folder.parent / "trade.md"
+    marker = "<!-- below: written by hand -->"
+    written = page.read_text(encoding="utf-8") if page.exists() else ""
+    kept = written.split(marker, 1)[1] if marker in written else "\n"
+    head = ("# The trade of speed for accuracy\n\n`python -m bench.trade` makes this page, its "
+            "[table of all cells](trade/trade.md) and its plots.\n\n")  # fmt: skip
+    page.write_text(head + findings(found) + "\n" + marker + kept, encoding="utf-8")
