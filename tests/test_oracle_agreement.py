@@ -84,11 +84,12 @@ CASES = [
     case("box", "single", **DEVIATION, **ORTHOGRAPHIC, rule="sum"),
     case("textured", "single", rule="sum"),
     case("textured", "mixed", **DEVIATION, rule="rms", drift=True),
+    case("textured", "float-float", rule="mean", drift=True),
 ]
 LONG = [
     case(scene, precision, coordinates=coordinates, chart=chart, rule=rule, drift=drift)
     for scene in SCENES
-    for precision in ("single", "mixed", "double")
+    for precision in ("single", "mixed", "double", "float-float")
     for coordinates in ("target", "deviation")
     for chart, rule, drift in (("equal-area", "sum", True), ("orthographic", "mean", False), ("equal-area", "rms", False))
 ]
