@@ -206,4 +206,14 @@ def write_page(found: dict[str, Any], folder: Path) -> None:
     kept = written.split(marker, 1)[1] if marker in written else "\n"
     head = ("# The trade of speed for accuracy\n\n`python -m bench.trade` makes this page, its "
             "[table of all cells](trade/trade.md) and its plots.\n\n")  # fmt: skip
-    page.write_text(head + findings(found) + "\n" + marker + kept, encoding="utf-8")
+    page.write_text(head + findings(found) + lean(folder) + "\n" + marker + kept, encoding="utf-8")
+
+
+def lean(folder: Path) -> str:
+    """The section on specialised kernels, from what ``bench.lean`` left in the same folder."""
+    table = folder / "lean.md"
+    if not table.exists():
+        return ""
+    return ("\n## Model only what a scene requires\n\n`python -m bench.lean` builds, for each scene, its own kernel and one for "
+            "everything; and, for the box, its own with one feature more at a time. They draw the same chains.\n\n"
+            "![time per mutation](trade/lean.png)\n\n" + table.read_text(encoding="utf-8"))  # fmt: skip

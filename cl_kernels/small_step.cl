@@ -32,7 +32,7 @@ bool displaced_path(Scene *scene, const Path *x, int m, const real *delta, const
     real3 node = vec3(scene->camera->origin);
     for (int j = 1; j <= m; j++) {
         const Vertex *here = j > 1 ? &y->vertex[j - 1] : 0;
-        real3 s, v;
+        real3 s = p, v;  // s: of deviations only, which v_1 never is
         real jacobian;
 #if HAS_DEVIATION
         if (j > 1) {
