@@ -214,6 +214,6 @@ def lean(folder: Path) -> str:
     table = folder / "lean.md"
     if not table.exists():
         return ""
-    return ("\n## Model only what a scene requires\n\n`python -m bench.lean` builds, for each scene, its own kernel and one for "
-            "everything; and, for the box, its own with one feature more at a time. They draw the same chains.\n\n"
+    return ("\n## Model only what a scene requires\n\n`python -m bench.lean` builds, for each scene, its own kernel and one "
+            "for everything; and, for the box, its own with one feature more at a time. They draw the same chains.\n\n"
             "![time per mutation](trade/lean.png)\n\n" + table.read_text(encoding="utf-8"))  # fmt: skip

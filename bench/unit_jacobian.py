@@ -16,7 +16,7 @@ from pylmc.sampler import Sampler
 from pylmc.scene import Diffuse, RoughConductor, Scene, Shape
 
 ROUGHNESS = (0.01, 0.03, 0.1, 0.3, 0.6, 1.0)
-CELLS, CHAINS, STEPS, RUNS = 6, 16384, 400, 4
+CELLS, CHAINS, STEPS, RUNS = 6, 16384, 400, 8
 
 
 def glossy_box(alpha: float) -> Scene:
@@ -51,12 +51,12 @@ def measure_unit_jacobian(device: Any = None) -> list[dict[str, float]]:
 
 
 def _film_cells(sampler: Sampler, seed: int) -> np.ndarray:
-    """Where on the film the chains are after the last quarter of the steps: shares of the cells."""
+    """Where on the film the chains are in the second half of the steps: shares of the cells."""
     sampler.init(seed=seed, chains=CHAINS)
     total = np.zeros((CELLS, CELLS))
     for part in range(16):
         sampler.step(STEPS // 16)
-        if part >= 12:
+        if part >= 8:
             at = np.clip((sampler.counters().trace * CELLS).astype(int), 0, CELLS - 1)
             np.add.at(total, (at[:, 1], at[:, 0]), 1)
     return total / total.sum()
