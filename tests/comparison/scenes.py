@@ -57,7 +57,7 @@ def room() -> Description:
 def smooth_ball() -> Description:
     surfaces = (*stage(wall=Matte(RED)), ball((0.2, 0.6, 0), 0.6, 2, Matte((0.8, 0.7, 0.5))))
     return Description("smooth-ball", "interpolated vertex normals on a coarse ball, a point light",
-                       View((0.3, 1.1, 3.0), (0, 0.6, -0.2), 40), surfaces,
+                       View((0.3, 1.1, 3.0), (0.15, 0.6, 0), 27), surfaces,
                        (Point((1.6, 2.2, 1.4), (9, 8, 7)),), 3)  # fmt: skip
 
 
@@ -73,7 +73,7 @@ def metal_ball() -> Description:
 
 def metal_plates() -> Description:
     surfaces = (
-        *stage(Metal(0.15, (0.85, 0.8, 0.9)), Metal(0.5, GOLD)),
+        *stage(Metal(0.7, (0.85, 0.8, 0.9)), Metal(0.2, GOLD)),
         solid((0.3, 0.35, -0.3), (0.6, 0.7, 0.5), 30, Matte(RED)),
         plane((-1.6, 0.5, 0.2), (0, 0, -0.8), (0, 0.9, 0), Matte((0.2, 0.2, 0.2)), (4.0, 6.0, 5.0)),
     )
