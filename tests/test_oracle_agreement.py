@@ -87,11 +87,16 @@ CASES = [
     case("textured", "float-float", rule="mean", drift=True),
 ]
 LONG = [
-    case(scene, precision, coordinates=coordinates, chart=chart, rule=rule, drift=drift)
-    for scene in SCENES
-    for precision in ("single", "mixed", "double", "float-float")
-    for coordinates in ("target", "deviation")
-    for chart, rule, drift in (("equal-area", "sum", True), ("orthographic", "mean", False), ("equal-area", "rms", False))
+    case("keyhole", "double", constraints=("lobes", "objects"), rule="rms"),
+    case("keyhole", "double", constraints=("holes",), blocks=False, aim="light"),
+    case("textured", "double", constraints=(), drift=True),
+    *[
+        case(scene, precision, coordinates=coordinates, chart=chart, rule=rule, drift=drift)
+        for scene in SCENES
+        for precision in ("single", "mixed", "double", "float-float")
+        for coordinates in ("target", "deviation")
+        for chart, rule, drift in (("equal-area", "sum", True), ("orthographic", "mean", False), ("equal-area", "rms", False))
+    ],
 ]
 
 

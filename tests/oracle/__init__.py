@@ -9,6 +9,8 @@ Only conventions are shared with the kernels, since numbers cannot be compared w
 first frame (any_tangent), the widths and axes that constraints.cl documents, the order in which random numbers are used,
 and that segments within the offset of rays of a surface count for nothing.
 
+Of the settings, ``differentials="reduced"`` and ``math`` are approximations by the kernels and have no counterpart here.
+
 Functions whose arguments may be complex take derivatives by complex steps (tangents.py): they hold no abs, no norm and no
 conjugate; comparisons look at real parts, which come first in NumPy's order of complex numbers.
 """

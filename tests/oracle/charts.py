@@ -90,11 +90,6 @@ class Charts:
             if j > 1:
                 frame = turn_minimally(frame, s, v)
 
-    @property
-    def reduced(self) -> bool:
-        """Whether derivatives take normals and frames as fixed: complex steps do not pass them."""
-        return self.settings.differentials == "reduced"
-
     def take(self, which: Array) -> Charts:
         """The charts of a part of the paths, or of each of them several times."""
         part = copy.copy(self)
@@ -127,7 +122,7 @@ class Charts:
         kind = self.kinds[:, j]
         omega = self.omega[:, j] + delta
         along, across, deviation_log = deviation_coefficients((omega**2).sum(axis=-1), self.settings.chart)
-        flat = omega[:, :1] * frame + omega[:, 1:] * np.cross(s.real if self.reduced else s, frame)
+        flat = omega[:, :1] * frame + omega[:, 1:] * np.cross(s, frame)
         deviated = along[:, None] * s + across[:, None] * flat
         offset = delta[:, :1] * self.e1[:, j] + delta[:, 1:] * self.e2[:, j]
         towards = self.anchor[:, j] + offset - x

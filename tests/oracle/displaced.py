@@ -6,7 +6,7 @@ triangle, its own unless told: the smooth continuation that derivatives are of.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -50,13 +50,11 @@ def displaced(charts: Charts, delta: Array, traced: bool = False, onto: Array | 
             here, arriving = surface(world, paths, j - 1), paths.v[:, j - 1]
             reference = s[:, j] = reference_direction(here, arriving)
             frame = carry_frame(here, arriving, frame, reference)
-            frame = frame.real if charts.reduced else frame
         v, log_j = charts.direction(j, delta[:, 2 * j - 2 : 2 * j], x[:, j - 1], reference, frame)
         exists &= np.all(np.isfinite(v), axis=-1) & np.isfinite(log_j)
         v = np.where(exists[:, None], v, base.v[:, j])
         log_jacobian = log_jacobian + log_j
         frame = turn_minimally(frame, reference, v)
-        frame = frame.real if charts.reduced else frame
         if j == 1:
             first_frame = frame
             exists &= importance(world, v).real > 0
@@ -68,7 +66,6 @@ def displaced(charts: Charts, delta: Array, traced: bool = False, onto: Array | 
             reach = dot(world.corners[triangle[:, j], 0] - x[:, j - 1], ng) / dot(v, ng)
         x[:, j] = np.where(exists[:, None], x[:, j - 1] + reach[:, None] * v, base.x[:, j])
         paths = complete(world, base.length, base.ending, base.light, triangle, base.lobe, x)
-        paths = replace(paths, ns=paths.ns.real) if charts.reduced else paths
     for j in (m + 1, m + 2):
         if j <= base.length:
             s[:, j] = reference_direction(surface(world, paths, j - 1), paths.v[:, j - 1])
