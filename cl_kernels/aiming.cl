@@ -15,10 +15,11 @@
 #if NUM_TARGETS > 0
 
 // An aperture is aimed at with a margin: rounding puts the geometry's edge to either side of the rectangle's, and a path in
-// between would be all but impossible to draw, hence of enormous weight.
+// between would be all but impossible to draw, hence of enormous weight. The part that does not grow with the hole is
+// by how far the offsets of a segment's ends can move it sideways, and a little.
 #define AIM_MARGIN 1.002
 real2 aimed_half_size(__global const Target *target) {
-    return AIM_MARGIN * (real2)(target->half_size[0], target->half_size[1]) + 1e-6;
+    return AIM_MARGIN * (real2)(target->half_size[0], target->half_size[1]) + 1.25 * RAY_OFFSET;
 }
 
 // cos of the cone that the sphere fills, seen from x, as 1 - cos (small cones keep their digits); 2 from inside.

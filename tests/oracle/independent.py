@@ -10,13 +10,13 @@ from .paths import HIT, Paths, surface
 from .scene import World
 from .vectors import Array, dot
 
-AIM_MARGIN = 1.002  # apertures are aimed at with this margin, and 1e-6 scene radii
+AIM_MARGIN, AIM_OFFSETS = 1.002, 1.25  # apertures are aimed at with this margin, and so many offsets of rays
 AIM_FROM_LIGHT, AIM_FROM_NODE, AIM_FROM_CAMERA = 0.5, 0.25, 0.1  # the latter two where aiming is done everywhere
 
 
-def aimed_half_size(target: np.void) -> Array:
+def aimed_half_size(world: World, target: np.void) -> Array:
     """The rectangle that is aimed at, a little larger than the aperture."""
-    return AIM_MARGIN * target["half_size"].astype(float) + 1e-6
+    return AIM_MARGIN * target["half_size"].astype(float) + AIM_OFFSETS * world.ray_offset
 
 
 def cone_of_sphere(target: np.void, x: Array) -> Array:
@@ -26,7 +26,7 @@ def cone_of_sphere(target: np.void, x: Array) -> Array:
     return np.where(sine2 < 1, sine2 / (1 + np.sqrt(1 - sine2)), 2.0)
 
 
-def target_density(target: np.void, x: Array, direction: Array) -> Array:
+def target_density(world: World, target: np.void, x: Array, direction: Array) -> Array:
     """Density of a direction aimed at one target: uniform in a sphere's cone, or in the area of a rectangle."""
     centre = target["centre"].astype(float)
     if target["sphere"]:
@@ -39,7 +39,7 @@ def target_density(target: np.void, x: Array, direction: Array) -> Array:
     with np.errstate(all="ignore"):
         t = ((centre - x) @ normal) / cosine
         offset = x + t[:, None] * direction - centre
-        half = aimed_half_size(target)
+        half = aimed_half_size(world, target)
         inside = (t > 0) & (np.abs(offset @ axis) <= half[0]) & (np.abs(offset @ np.cross(normal, axis)) <= half[1])
         return np.where(inside, t**2 / (4.0 * half[0] * half[1] * np.abs(cosine)), 0)
 
@@ -55,7 +55,7 @@ def aimed(world: World, x: Array, direction: Array, otherwise: Array, share: flo
     share = aim_share(world, share)
     if not len(targets):
         return otherwise
-    total = sum(target_density(target, x, direction) for target in targets)
+    total = sum(target_density(world, target, x, direction) for target in targets)
     return (1 - share) * otherwise + share * total / len(targets)
 
 

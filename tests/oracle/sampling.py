@@ -24,12 +24,12 @@ def about(axis: Array, cosine: Array, angle: Array) -> Array:
     return sine[:, None] * flat + cosine[:, None] * axis
 
 
-def sample_target(target: np.void, x: Array, u1: Array, u2: Array) -> Array:
+def sample_target(world: World, target: np.void, x: Array, u1: Array, u2: Array) -> Array:
     """A direction from x into a sphere's cone, or to a point of a rectangle."""
     centre, axis = target["centre"].astype(float), target["axis"].astype(float)
     if target["sphere"]:
         return about(unit(centre - x), 1 - cone_of_sphere(target, x) * u1, 2 * np.pi * u2)
-    half = aimed_half_size(target)
+    half = aimed_half_size(world, target)
     across = np.cross(target["normal"].astype(float), axis)
     point = centre + ((2 * u1 - 1) * half[0])[:, None] * axis + ((2 * u2 - 1) * half[1])[:, None] * across
     return unit(point - x)
@@ -46,7 +46,7 @@ def sample_aim(world: World, x: Array, share: float, streams: Streams, wanted: A
     u1, u2 = streams.uniform(aimed), streams.uniform(aimed)
     for index, target in enumerate(targets):
         use = aimed & (chosen == index)
-        direction[use] = sample_target(target, x[use], u1[use], u2[use])
+        direction[use] = sample_target(world, target, x[use], u1[use], u2[use])
     return direction, aimed
 
 
