@@ -25,6 +25,17 @@ def line(row: dict[str, Any]) -> str:
             f"| {row['per_second_ratio']:.2f} | {ess} | {accepted} |")  # fmt: skip
 
 
+def pareto(rows: list[dict[str, Any]]) -> list[tuple[float, float, str]]:
+    """(seconds, error, option) of those points that no other is better than in both, by time."""
+    points = sorted((t, e, row["option"]) for row in rows for t, e in zip(row["seconds"], row["errors"], strict=True))
+    front, best = [], np.inf
+    for t, e, option in points:
+        if e < best:
+            best = e
+            front.append((t, e, option))
+    return front
+
+
 def plot(found: dict[str, Any], path: Path) -> None:
     """Error against time, a panel a scene, with the Pareto front drawn: no option there is worse in both."""
     import matplotlib
@@ -34,23 +45,21 @@ def plot(found: dict[str, Any], path: Path) -> None:
 
     names = [name for name in SCENES if name in found]
     figure, panels = plt.subplots(2, 2, figsize=(13, 10), layout="constrained")
+    for panel in panels.flat[len(names) :]:
+        panel.set_visible(False)
     for panel, name in zip(panels.flat, names, strict=False):
         rows = found[name]
-        points = sorted((t, e, row["option"]) for row in rows for t, e in zip(row["seconds"], row["errors"], strict=True))
-        front, best = [], np.inf
-        for t, e, option in points:
-            if e < best:
-                best = e
-                front.append((t, e, option))
-        shown = list(dict.fromkeys([option for *_, option in front] + ["default", "path", "bdpt"]))[: LABELLED + 3]
+        front, chains = pareto(rows), pareto([row for row in rows if row["integrator"] == "lmc"])
+        shown = list(dict.fromkeys([option for *_, option in front + chains] + ["default", "path", "bdpt"]))[: LABELLED + 3]
         colours = plt.get_cmap("tab10")
         for row in rows:
             known = row["option"] in shown
             colour = colours(shown.index(row["option"]) % 10) if known else "0.8"
             style: dict[str, Any] = {"lw": 1.6, "marker": "o", "zorder": 3, "label": row["option"]} if known else {"lw": 0.7}
             panel.loglog(row["seconds"], row["errors"], color=colour, ms=3, **style)
-        times, errors = [t for t, *_ in front], [e for _, e, _ in front]
-        panel.loglog(times, errors, color="k", lw=3, alpha=0.35, zorder=2, label="Pareto front")
+        for points, label, style in ((front, "Pareto front", "-"), (chains, "Pareto front of the chains", "--")):
+            times, errors = [t for t, *_ in points], [e for _, e, _ in points]
+            panel.loglog(times, errors, style, color="k", lw=3, alpha=0.35, zorder=2, label=label)
         panel.set(title=name, xlabel="run time [s]", ylabel="relMSE without the worst 0.1 %")
         panel.grid(True, which="both", alpha=0.2)
         panel.legend(fontsize=8)
