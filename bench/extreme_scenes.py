@@ -97,6 +97,11 @@ def _grazing_camera(angle: float) -> Scene:
     return _floor_and_wall(camera, (1, 1, 0.3))
 
 
+def _zoom(angle: float) -> Scene:
+    camera = Camera((1, 1, 0.3), (0, 0, 0.1), fov=np.degrees(angle), width=SIDE, height=SIDE)
+    return _floor_and_wall(camera, (0.5, 1, 0.3))
+
+
 def _grazing_light(angle: float) -> Scene:
     """The light stands ``angle`` above the floor, at about unit distance of what is seen."""
     floor = Shape(rectangle((-1, 0, -1), (0, 0, 3), (4, 0, 0)), Diffuse(0.6), name="floor")
@@ -153,9 +158,9 @@ def _constant(_: Any) -> float:
 AXES = (
     Axis("roughness", "GGX alpha of a mirror that throws light on a wall", (1.0, 1e-1, 1e-2, 1e-4, 1e-6, 1e-8),
          _wall_and_mirror, 3, _constant),
-    Axis("glass", "GGX alpha of a glass ball with smooth normals over a floor (caustic)", (0.3, 1e-2, 1e-4, 1e-6, 1e-8),
+    Axis("glass", "GGX alpha of a glass ball with smooth normals over a floor (caustic)", (0.3, 1e-2, 1e-4, 1e-6, 1e-7, 1e-8),
          _glass, 5, _constant),
-    Axis("hole", "the hole's side over the wall's (keyhole)", (0.9, 1e-1, 1e-2, 1e-4, 1e-6, 1e-8), _hole, 4, lambda v: v**2),
+    Axis("hole", "the hole's side over the wall's (keyhole)", (0.9, 1e-2, 1e-4, 1e-5, 1e-6, 1e-8), _hole, 4, lambda v: v**2),
     Axis("object", "side of the diffuse box by which all light comes, over the wall's", (2e-1, 1e-2, 1e-4, 1e-5, 1e-6),
          _object, 4, lambda v: v**2),
     Axis("emitter", "side of the lamp, over the wall's, its power being constant", (2e-1, 1e-2, 1e-4, 1e-5, 1e-6),
@@ -164,10 +169,11 @@ AXES = (
          lambda v: moved(_hole(0.05), v, 0, v**2), 4, _constant),
     Axis("distance", "distance of the scene from the origin, in its sizes (keyhole)", (0.0, 1e1, 1e2, 1e4, 1e6),
          lambda v: moved(_hole(0.05), 1, np.full(3, v * 2.9 / np.sqrt(3)), 1), 4, _constant),
-    Axis("grazing camera", "angle of the camera's rays to the floor, radians", (0.3, 1e-2, 1e-4, 1e-5, 1e-6),
+    Axis("grazing camera", "angle of the camera's rays to the floor, radians", (0.3, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6),
          _grazing_camera, 3, _constant),
     Axis("grazing light", "angle of the light above the floor, radians", (0.3, 1e-2, 1e-4, 1e-5, 1e-6), _grazing_light, 3,
          lambda v: v),
+    Axis("zoom", "the camera's field of view, radians", (0.5, 1e-2, 1e-4, 1e-5, 1e-6), _zoom, 3, _constant),
     Axis("path length", "segments of the path in a closed box (paths up to 32)", (1, 2, 4, 8, 16, 32),
          lambda v: pylmc.load("box", width=SIDE, height=SIDE), 32),
     Axis("film", "pixels along each side (keyhole, paths of 2 segments)", (1, 16, 256, 2048, 8192), _film, 2, _constant),
