@@ -2,7 +2,7 @@
 // where a given displacement in the charts or one step of the chain leads.
 #include "markov_step.cl"
 
-// block: how many leading directions; 0: all free ones.
+// block: how many leading directions; 0: all free ones. A path with a direction out of its chart's reach has no kinds and no L.
 PATH_KERNEL void describe_chains(SCENE_PARAMETERS, uint chains, __global const ChainState *states, int block, __global real *node_out,
                               __global real *directions, __global real *deviations, __global int *kinds, __global int *lobes,
                               __global real *densities, __global real *factors, __global real *gradients) {
@@ -17,13 +17,13 @@ PATH_KERNEL void describe_chains(SCENE_PARAMETERS, uint chains, __global const C
     densities[2 * index + 1] = log_independent_density(&scene, &path);
     real3 p = any_tangent(path.vertex[1].v);
     Chart charts[MAX_DEPTH + 1];
-    charts_of_path(&scene, &path, m, p, charts);
+    bool charted = charts_of_path(&scene, &path, m, p, charts);
     for (int i = 1; i <= path.length; i++) {
         size_t at = (size_t)index * MAX_DEPTH + i - 1;
         vstore3(path.vertex[i].x, at, node_out);
         vstore3(path.vertex[i].v, at, directions);
         lobes[at] = i < path.length ? path.vertex[i].lobe : -1;
-        kinds[at] = i <= m ? charts[i].kind : -1;
+        kinds[at] = charted && i <= m ? charts[i].kind : -1;
     }
     // Omega_i, the deviation of v_{i+1}, i = 1 .. K-1
     for (int i = 1; i < path.length; i++) {
@@ -35,6 +35,7 @@ PATH_KERNEL void describe_chains(SCENE_PARAMETERS, uint chains, __global const C
         vstore2(omega, (size_t)index * MAX_DEPTH + i - 1, deviations);
         p = rotate_minimal(p, s, path.vertex[i + 1].v);
     }
+    if (!charted) return;
     Factor factor;
     Row gradient;
     precondition(&scene, &path, m, any_tangent(path.vertex[1].v), charts, &factor, &gradient);

@@ -15,7 +15,8 @@ class States(NamedTuple):
     direction at x_i. lobes (chains, K): 0 diffuse, 1 reflection, 2 dielectric reflection, 3 refraction. kinds
     (chains, K): each free direction's chart: 0 projection, 1 deviation, 2 next node, 3 + i aperture i. log_pi: log of the
     target I in scaled units; log_p: log of the independent sampler's density. factors L (chains, 2 K, 2 K): Q = L Lᵀ.
-    gradients (chains, 2 K): of the log density in the charts' coordinates, where drift is on.
+    gradients (chains, 2 K): of the log density in the charts' coordinates, where drift is on. A path with a direction out of
+    its chart's reach (orthographic charts reach half the sphere) has kinds -1 and L = 0: only large steps move it.
     """
 
     length: np.ndarray
