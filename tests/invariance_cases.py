@@ -143,7 +143,7 @@ OTHERS = [
     Case("double precision, drift", "skewed", {"drift": True}, "double"),
 ]  # fmt: skip
 
-PRECONDITIONED = Case("preconditioned steps", "keyhole", {})
+PRECONDITIONED = Case("preconditioned steps", "keyhole", {}, steps=160)
 DRIFTING = Case("drift", "skewed", {"drift": True, "coordinates": "deviation"})
 ORTHOGRAPHIC = Case("orthographic chart, GGX 0.3", "skewed", {"coordinates": "deviation", "chart": "orthographic"}, steps=160)
 CONTROLS = [
