@@ -1,0 +1,92 @@
+"""Which scenes, settings and number types the kernels are held against the oracle in, and the states they start from.
+
+States are paths drawn from the target of every built-in scene and of the textured one, all lengths up to 8, both endings.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, NamedTuple
+
+import pytest
+from probes import textured_scene
+
+import pylmc
+from pylmc.sampler import Sampler
+from pylmc.scene import Scene
+
+from .chains import read_states
+from .vectors import Array
+
+DEPTH, CHAINS = 8, 120
+SCENES: dict[str, dict[str, float]] = {
+    "keyhole": {"hole": 0.1, "roughness": 0.05},
+    "glints": {"size": 0.1, "roughness": 0.1},
+    "caustic": {"roughness": 0.1},
+    "box": {},
+    "textured": {},
+}
+LOBES = {"keyhole": {0, 1}, "glints": {0, 1}, "caustic": {0, 2, 3}, "box": {0}, "textured": {0, 1}}
+ENDS = {"keyhole": {0}, "glints": {0}, "caustic": {1}, "box": {1}, "textured": {0, 1}}
+
+
+class Case(NamedTuple):
+    scene: str
+    precision: str
+    settings: dict[str, Any]
+
+    def __str__(self) -> str:
+        return "-".join([self.scene, self.precision, *map(str, self.settings.values())])
+
+
+def case(scene: str, precision: str, **settings: Any) -> Any:
+    return pytest.param(chosen := Case(scene, precision, settings), id=str(chosen))
+
+
+DEVIATION, ORTHOGRAPHIC = {"coordinates": "deviation"}, {"chart": "orthographic"}
+CASES = [
+    case("keyhole", "double", rule="sum"),
+    case("keyhole", "single", **DEVIATION, rule="mean", drift=True),
+    case("keyhole", "mixed", **DEVIATION, **ORTHOGRAPHIC, rule="rms", projection="orthographic"),
+    case("glints", "single", rule="rms", drift=True),
+    case("glints", "double", **DEVIATION, chart="orthographic-unit", rule="mean"),
+    case("caustic", "single", rule="mean"),
+    case("caustic", "double", **DEVIATION, rule="sum", drift=True),
+    case("caustic", "mixed", **ORTHOGRAPHIC, rule="rms", drift=True),
+    case("box", "single", **DEVIATION, **ORTHOGRAPHIC, rule="sum"),
+    case("textured", "single", rule="sum"),
+    case("textured", "mixed", **DEVIATION, rule="rms", drift=True),
+]
+LONG = [
+    case("keyhole", "double", constraints=("lobes", "objects"), rule="rms"),
+    case("keyhole", "double", constraints=("holes",), blocks=False, aim="light"),
+    case("textured", "double", constraints=(), drift=True),
+    *[
+        case(scene, precision, coordinates=coordinates, chart=chart, rule=rule, drift=drift)
+        for scene in SCENES
+        for precision in ("single", "mixed", "double", "float-float")
+        for coordinates in ("target", "deviation")
+        for chart, rule, drift in (("equal-area", "sum", True), ("orthographic", "mean", False), ("equal-area", "rms", False))
+    ],
+]
+
+
+def scene_of(name: str) -> Scene:
+    return textured_scene() if name == "textured" else pylmc.load(name, **SCENES[name]).with_size(24, 18)
+
+
+@cache
+def start_of(name: str) -> Sampler:
+    """A sampler whose chains start in the target, at least eight to each path length and ending."""
+    sampler = Sampler(scene_of(name), precision="double", max_depth=DEPTH, even=False)
+    sampler.init(3, chains=CHAINS, candidates=1 << 14)
+    return sampler
+
+
+@cache
+def states_of(name: str) -> Array:
+    return read_states(start_of(name))
+
+
+def only_long(cases: list[Any]) -> list[Any]:
+    return [pytest.param(*case.values, id=f"long-{case.id}", marks=pytest.mark.long) for case in cases]
