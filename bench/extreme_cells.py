@@ -8,20 +8,23 @@ Chains start in the target, so that three identities hold whatever the scene, an
   and E[min(1, r) (g(X^) - g(X))] = 0 for every function g: log pi, v_1, and the sum of the directions here. The picture's
   mean is blind to a broken small step (theory.md, 6, Trap); these are not.
 
-A group's z is taken between independent seeds; chains are the units of the last two. Sidak's correction makes one z of many.
+Sides have independent seeds. Paths are the units of b, chains those of the rest, with the start's own error added. Sidak's
+correction makes one z of many.
 """
 
 from __future__ import annotations
 
 import time
+import warnings
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from scipy.stats import norm
 
-from pylmc import PylmcError, Sampler, Scene
+from pylmc import PylmcError, PylmcWarning, Sampler, Scene
 from pylmc.precision import real_fields
+from pylmc.statistics import LUMINANCE
 
 BLOCKS = 4  # per side of the film
 BURN, ROUNDS, BETWEEN = 32, 6, 8  # steps of each chain before, and between, its trials
@@ -35,6 +38,7 @@ class Cell:
     of probabilities and numbers of small steps; ``balance``: by group, z of each identity."""
 
     refused: str = ""
+    warned: bool = False
     seconds: float = 0.0
     bad_pixels: int = 0
     bad_states: int = 0
@@ -42,6 +46,7 @@ class Cell:
     not_finite: int = 0
     acceptance: dict[str, tuple[float, float]] = field(default_factory=dict)
     mean: float = 0.0
+    film_loss: float = 0.0
     b: dict[str, tuple[float, float]] = field(default_factory=dict)
     effective: dict[str, float] = field(default_factory=dict)
     places: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
@@ -70,7 +75,8 @@ def bias(cell: Cell, reference: Cell, groups: list[str] | None = None) -> dict[s
     z_film: list[float] = []
     for g in sound:
         if g in cell.chains:
-            error = np.hypot(cell.chains[g][1], reference.places[g][1])
+            # the chains have not forgotten the paths that they began at: their error is in it too
+            error = np.sqrt(cell.chains[g][1] ** 2 + cell.places[g][1] ** 2 + reference.places[g][1] ** 2)
             used = (reference.places[g][0] > 0.01) & (error > 0)
             z_film += list((cell.chains[g][0] - reference.places[g][0])[used] / error[used])
     total, total_error = summed(cell, names)
@@ -98,7 +104,10 @@ def run(scene: Scene, precision: str, max_depth: int, seeds: range, candidates: 
     """Measure one cell; a PylmcError becomes ``refused``."""
     start, cell = time.perf_counter(), Cell()
     try:
-        sampler = Sampler(scene, device=device, precision=precision, max_depth=max_depth, even=False)
+        with warnings.catch_warnings(record=True) as warned:
+            warnings.simplefilter("always", PylmcWarning)
+            sampler = Sampler(scene, device=device, precision=precision, max_depth=max_depth, even=False)
+        cell.warned = any(issubclass(w.category, PylmcWarning) for w in warned)
         _measure(cell, sampler, seeds, candidates, chains)
     except PylmcError as error:
         cell.refused = str(error)
@@ -141,7 +150,10 @@ def _measure(cell: Cell, sampler: Sampler, seeds: range, candidates: int, chains
             cell.acceptance[group.name] = tuple(before + counts[:, part].sum(axis=1))
         image = sampler.image()
         cell.bad_pixels += int(np.sum(~np.isfinite(image)))
-        cell.mean += float(np.mean(image @ [0.212671, 0.71516, 0.072169])) / len(seeds)
+        luminance = float(np.mean(image @ LUMINANCE))
+        cell.mean += luminance / len(seeds)
+        expected = sum(group.b for group in groups) * sampler.compiled.radiance_scale
+        cell.film_loss = max(cell.film_loss, abs(luminance / expected - 1))
         cell.bad_states += _bad_numbers(sampler)
     scale = sampler.compiled.radiance_scale
     for name, parts_of in weights.items():
@@ -159,7 +171,8 @@ def _measure(cell: Cell, sampler: Sampler, seeds: range, candidates: int, chains
         units = units[np.isfinite(units).all(axis=1)]
         # chains that all began at a handful of paths are not in their target: they say nothing of balance
         if cell.effective[name] >= ENOUGH and len(units) > ENOUGH:
-            error = units.std(axis=0) / np.sqrt(len(units))
+            # where chains outnumber the effective paths that they began at, they are not independent
+            error = units.std(axis=0) * np.sqrt(1 / len(units) + 1 / cell.effective[name])
             cell.balance[name] = [float(m / e) for m, e in zip(units.mean(axis=0), error, strict=True) if e > 0]
 
 

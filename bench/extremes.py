@@ -12,7 +12,7 @@ seeds of its own (see bench.extreme_cells for the tests); the row ``double`` is 
 refused    it says so beforehand, in a message (memory, numbers beyond its range, ...)
 dark       it finds no light, and says so in place of a black picture
 not finite NaN or infinity in the picture, in the chains' arrays or in the candidates' weights
-biased     z beyond Z_LIMIT (Sidak over the table: alpha = 0.01)
+biased     z beyond Z_LIMIT (Sidak over the table: alpha = 0.01); or the picture's mean is not b, which every step adds
 stuck      small steps are accepted less than once in a hundred times
 unjudged   too few independent paths find the light, in this mode or in the reference, for a verdict
 =========  =============================================================================================================
@@ -38,7 +38,7 @@ from .extreme_scenes import AXES, Axis
 from .extremes_report import markdown, picture
 
 Z_LIMIT = 4.1  # two-sided, alpha = 0.01 over 250 cells
-STUCK = 0.01
+STUCK, FILM_LOSS = 0.01, 1e-3
 PRECISIONS = ("single", "mixed", "double")
 LARGE_FILM = 1 << 20  # pixels: one seed is enough to see whether it works
 SEEDS, CANDIDATES, CHAINS = 4, 1 << 16, 2048
@@ -50,7 +50,7 @@ def verdict(cell: Cell, judged: dict[str, Any], small_acceptance: float) -> str:
         return "dark" if cell.refused.startswith("no light path") else "refused"
     if cell.bad_pixels or cell.bad_states or cell.bad_weights:
         return "not finite"
-    if judged["worst"] > Z_LIMIT:
+    if judged["worst"] > Z_LIMIT or cell.film_loss > FILM_LOSS:
         return "biased"
     if not judged["judged"]:
         return "unjudged"
@@ -63,10 +63,10 @@ def row(axis: Axis, value: Any, precision: str, cell: Cell, reference: Cell, gro
     accepted = acceptance(cell, groups)
     mean, mean_error = summed(cell, groups)
     return {"axis": axis.name, "value": value, "precision": precision, "gives_up": verdict(cell, judged, accepted),
-            "message": cell.refused, "acceptance": accepted, "mean": mean, "mean_error": mean_error,
+            "message": cell.refused, "warned": cell.warned, "acceptance": accepted, "mean": mean, "mean_error": mean_error,
             **{f"z_{k}": judged[k] for k in ("b", "film", "balance", "worst")}, "bias": judged["relative"],
             "bias_error": judged["relative_error"], "bad_pixels": cell.bad_pixels, "bad_states": cell.bad_states,
-            "bad_weights": cell.bad_weights, "not_finite_rejected": cell.not_finite,
+            "bad_weights": cell.bad_weights, "not_finite_rejected": cell.not_finite, "film_loss": cell.film_loss,
             "seconds": round(cell.seconds, 2)}  # fmt: skip
 
 

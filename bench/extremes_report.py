@@ -26,21 +26,23 @@ def markdown(rows: list[dict[str, Any]]) -> str:
             continue
         parts.append(f"### {axis.name}: {axis.what}\n")
         parts.append("| value | precision | bias of the mean | z: b | film | balance | acceptance | NaN, Inf | rejected | law "
-                     "| gives up |")  # fmt: skip
-        parts.append("|---|---|---|---|---|---|---|---|---|---|---|")
+                     "| gives up | warned |")  # fmt: skip
+        parts.append("|---|---|---|---|---|---|---|---|---|---|---|---|")
         parts += [_line(r) for r in own]
         parts.append("")
     return "\n".join(parts)
 
 
 def _line(r: dict[str, Any]) -> str:
+    warned = "yes" if r["warned"] else ""
     if r["message"]:
-        return f"| {shown(r['value'])} | {r['precision']} |  |  |  |  |  |  |  |  | refused: {r['message']} |"
+        nothing = " | " * 8
+        return f"| {shown(r['value'])} | {r['precision']} |{nothing}| {r['gives_up']}: {r['message']} | {warned} |"
     bad = r["bad_pixels"] + r["bad_states"] + r["bad_weights"]
     law = f"{r['law']:.3f} ± {r['law_error']:.3f}" if r.get("law") is not None else ""
     bias = f"{100 * r['bias']:+.2f} ± {100 * r['bias_error']:.2f} %"
     return (f"| {shown(r['value'])} | {r['precision']} | {bias} | {r['z_b']:.1f} | {r['z_film']:.1f} | {r['z_balance']:.1f} "
-            f"| {r['acceptance']:.3f} | {bad} | {r['not_finite_rejected']} | {law} | {r['gives_up']} |")  # fmt: skip
+            f"| {r['acceptance']:.3f} | {bad} | {r['not_finite_rejected']} | {law} | {r['gives_up']} | {warned} |")  # fmt: skip
 
 
 def picture(rows: list[dict[str, Any]], path: Path) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .errors import PylmcError
+    from .errors import PylmcError, PylmcWarning
     from .inspection import info
     from .loading import load
     from .raytracer import RayTracer
@@ -32,12 +32,12 @@ if TYPE_CHECKING:
     __version__: str
 
 __all__ = [
-    "Aperture", "Camera", "Diffuse", "MetallicRoughness", "PointLight", "PylmcError", "RayTracer", "Render",
+    "Aperture", "Camera", "Diffuse", "MetallicRoughness", "PointLight", "PylmcError", "PylmcWarning", "RayTracer", "Render",
     "RoughConductor", "RoughDielectric", "Sampler", "Scene", "Shape", "States", "Texture", "info", "load", "render",
 ]  # fmt: skip
 
 _HOME = {
-    "errors": ("PylmcError",),
+    "errors": ("PylmcError", "PylmcWarning"),
     "inspection": ("info",),
     "loading": ("load",),
     "raytracer": ("RayTracer",),

@@ -156,10 +156,7 @@ def build_parser(run: Mapping[str, Callable[[argparse.Namespace], int]]) -> argp
     render.add_argument("--device", metavar="SPEC",
                         help="cpu, gpu, an index or part of a name, as `pylmc devices` shows them (default: "
                              "PYOPENCL_CTX if set, else the first GPU, else the first CPU)")  # fmt: skip
-    render.add_argument("--precision", choices=PRECISIONS, default="single",
-                        help="single (the fastest), mixed (rays in float32, all else in float64, or in pairs of floats "
-                             "where the device has no 64-bit floats), double (all in float64), float-float (mixed by "
-                             "pairs of floats) (default: single)")  # fmt: skip
+    _add_precision(render)
     render.add_argument("--math", choices=MATHS,
                         help="exact, or what may be shortened: relaxed (the compiler reorders, contracts), fast (and "
                              "forgets infinities), native (short exp, log, sin, cos, roots) (default: exact)")  # fmt: skip
@@ -171,6 +168,7 @@ def build_parser(run: Mapping[str, Callable[[argparse.Namespace], int]]) -> argp
 
     info = command("info", "say how a scene would be sampled: path lengths, lobes, constraints")
     _add_scene(info)
+    _add_precision(info)
     _add_chain(info)
 
     compare = command("compare", "measure how far picture A.exr is from the reference B.exr",
@@ -192,6 +190,13 @@ def _add_scene(parser: argparse.ArgumentParser) -> None:
                         help=f"longest light path, in segments, 1 to {MAX_DEPTH} (default: 8)")  # fmt: skip
     parser.add_argument("--auto-camera", action="store_true", help="frame a file's scene that has no camera")
     parser.add_argument("--auto-light", action="store_true", help="light a file's scene that has no light")
+
+
+def _add_precision(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--precision", choices=PRECISIONS, default="single",
+                        help="single (the fastest), mixed (rays in float32, all else in float64, or in pairs of floats "
+                             "where the device has no 64-bit floats), double (all in float64), float-float (mixed by "
+                             "pairs of floats) (default: single)")  # fmt: skip
 
 
 def _add_chain(parser: argparse.ArgumentParser) -> None:

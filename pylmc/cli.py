@@ -16,12 +16,14 @@ import re
 import signal
 import sys
 import threading
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from .arguments import CHAIN_OPTIONS, build_parser
-from .errors import PylmcError
+from .errors import PylmcError, PylmcWarning
 from .settings import DEFAULT_SECONDS
 
 __all__ = ["main"]
@@ -38,7 +40,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         commands = {"render": _render, "info": _info, "compare": _compare, "devices": _devices, "scenes": _scenes}
         options = build_parser(commands).parse_args(arguments)
-        code: int = options.run(options)
+        with _one_line_warnings():
+            code: int = options.run(options)
         sys.stdout.flush()
         return code
     except PylmcError as error:
@@ -50,6 +53,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of `pylmc … | head` has left; Python must not complain about it at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
+
+
+@contextmanager
+def _one_line_warnings() -> Iterator[None]:
+    """Every PylmcWarning as one line on stderr, without Python's own trimmings."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", PylmcWarning)
+        others = warnings.showwarning
+
+        def show(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+            if issubclass(category, PylmcWarning):
+                print(f"pylmc: warning: {' '.join(str(message).split())}", file=sys.stderr)
+            else:
+                others(message, category, *place, **more)
+
+        warnings.showwarning = show
+        yield
 
 
 def _import(*modules: str) -> None:
@@ -120,7 +140,7 @@ def _info(options: argparse.Namespace) -> int:
     import pylmc
 
     scene = _load(options, scene_name, parameters)
-    print(pylmc.info(scene, max_depth=options.max_depth, **_sampler_options(options)))
+    print(pylmc.info(scene, precision=options.precision, max_depth=options.max_depth, **_sampler_options(options)))
     return 0
 
 

@@ -1,4 +1,4 @@
-"""The one exception a person is meant to read."""
+"""The one exception, and the one warning, that a person is meant to read."""
 
 
 class PylmcError(Exception):
@@ -6,3 +6,7 @@ class PylmcError(Exception):
 
     The command line prints it as one line and exits with code 2; nothing else is caught there.
     """
+
+
+class PylmcWarning(UserWarning):
+    """The result may be wrong, and why: a sentence that names the thing, the place and the remedy (see pylmc.limits)."""

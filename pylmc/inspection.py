@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from .compiled import compile_scene
+from .limits import limits
 from .preconditioner import MAX_APERTURES, NARROW_ALPHA
 from .scene import Scene
 from .settings import Settings
@@ -14,13 +15,14 @@ from .settings import Settings
 ENDING_WORDS = ("connect (to a point light)", "hit (an emitter)")
 
 
-def info(scene: Scene, **settings: Any) -> str:
+def info(scene: Scene, precision: str = "single", **settings: Any) -> str:
     """Path lengths, lobes, constraints by kind and count, and what was left out and why; as lines of text.
 
-    Keyword arguments are those of :class:`pylmc.settings.Settings`. Needs no OpenCL device.
+    ``precision``: whose limits are told (see :mod:`pylmc.limits`). The other keyword arguments are those of
+    :class:`pylmc.settings.Settings`. Needs no OpenCL device.
     """
     chosen = Settings(**settings)
-    compiled = compile_scene(scene)
+    compiled = compile_scene(scene, precision)
     plan, features = compiled.plan, compiled.features
     camera = scene.camera
     low = 2 if compiled.endings == (0,) else 1
@@ -63,6 +65,9 @@ def info(scene: Scene, **settings: Any) -> str:
     lines.append("compiled in   " + ", ".join(sorted(k for k, v in features.items() if k.startswith("HAS_") and v)))
     out = sorted(k for k, v in features.items() if k.startswith("HAS_") and not v)
     lines.append("compiled out  " + (", ".join(out) or "nothing"))
+    beyond = limits(scene, compiled, precision)
+    lines += [f"limits        of precision '{precision}': {'' if beyond else 'nothing in this scene is beyond them'}".rstrip()]
+    lines += [f"  {sentence}" for sentence in beyond]
     return "\n".join(lines)
 
 

@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import time
+import warnings
 from typing import Any
 
 import numpy as np
@@ -15,9 +16,10 @@ from . import layout
 from .checks import check_integer
 from .compiled import compile_scene
 from .device_scene import DeviceScene
-from .errors import PylmcError
+from .errors import PylmcError, PylmcWarning
 from .evenness import GRID, even_weights
 from .groups import Group
+from .limits import limits
 from .scene import Scene
 from .settings import Settings
 from .states import Counters, States, Trial
@@ -31,7 +33,8 @@ FILM_SCALE = 2.0**24  # of film.cl
 class Sampler:
     """Chains over a scene's light paths. Keyword arguments are those of :class:`pylmc.settings.Settings`.
 
-    Raises PylmcError for unknown settings, a device that is not there, and scenes in which no light path is found.
+    Warns (PylmcWarning) of what ``precision`` cannot be right about. Raises PylmcError for unknown settings, a device that
+    is not there, and scenes in which no light path is found.
     """
 
     def __init__(self, scene: Scene, *, device: Any = None, precision: str = "single", **settings: Any) -> None:
@@ -44,6 +47,8 @@ class Sampler:
         self.settings = Settings(**settings)
         start = time.perf_counter()
         self.compiled = compile_scene(scene, precision)
+        for sentence in limits(scene, self.compiled, precision):
+            warnings.warn(sentence, PylmcWarning, stacklevel=2)
         self.device_scene = DeviceScene(self.compiled, self.settings, device, precision)
         self.seconds = {"build": time.perf_counter() - start, "bootstrap": 0.0, "run": 0.0}
         self.groups: list[Group] = []
