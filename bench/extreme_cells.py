@@ -100,13 +100,13 @@ def summed(cell: Cell, names: Any = None) -> tuple[float, float]:
     return float(sum(b for b, _ in values)), float(np.sqrt(sum(e**2 for _, e in values)))
 
 
-def run(scene: Scene, precision: str, max_depth: int, seeds: range, candidates: int, chains: int, device: Any = None) -> Cell:
-    """Measure one cell; a PylmcError becomes ``refused``."""
+def run(scene: Scene, precision: str, max_depth: int, seeds: range, candidates: int, chains: int, **settings: Any) -> Cell:
+    """Measure one cell; a PylmcError becomes ``refused``. ``settings``: further arguments of Sampler."""
     start, cell = time.perf_counter(), Cell()
     try:
         with warnings.catch_warnings(record=True) as warned:
             warnings.simplefilter("always", PylmcWarning)
-            sampler = Sampler(scene, device=device, precision=precision, max_depth=max_depth, even=False)
+            sampler = Sampler(scene, precision=precision, max_depth=max_depth, even=False, **settings)
         cell.warned = any(issubclass(w.category, PylmcWarning) for w in warned)
         _measure(cell, sampler, seeds, candidates, chains)
     except PylmcError as error:

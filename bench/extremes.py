@@ -90,7 +90,7 @@ def run_axis(axis: Axis, args: argparse.Namespace) -> list[dict[str, Any]]:
                 for name in ("reference", *PRECISIONS):
                     first = 101 if name == "reference" else 1
                     cells[name] = run(scene, "double" if name == "reference" else name, work[0], range(first, first + seeds),
-                                      work[1], work[2], args.device)  # fmt: skip
+                                      work[1], work[2], device=args.device)  # fmt: skip
         reference = cells["reference"]
         expected = axis.law(value) if axis.law else math.nan
         mean, error = summed(reference, groups)
