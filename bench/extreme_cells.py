@@ -51,6 +51,7 @@ class Cell:
     effective: dict[str, float] = field(default_factory=dict)
     places: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
     chains: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+    chain_counts: dict[str, int] = field(default_factory=dict)
     balance: dict[str, list[float]] = field(default_factory=dict)
 
 
@@ -77,7 +78,7 @@ def bias(cell: Cell, reference: Cell, groups: list[str] | None = None) -> dict[s
         if g in cell.chains:
             # the chains have not forgotten the paths that they began at: their error is in it too
             error = np.sqrt(cell.chains[g][1] ** 2 + cell.places[g][1] ** 2 + reference.places[g][1] ** 2)
-            used = (reference.places[g][0] > 0.01) & (error > 0)
+            used = (reference.places[g][0] * cell.chain_counts[g] >= ENOUGH) & (error > 0)
             z_film += list((cell.chains[g][0] - reference.places[g][0])[used] / error[used])
     total, total_error = summed(cell, names)
     expected, expected_error = summed(reference, names)
@@ -165,7 +166,7 @@ def _measure(cell: Cell, sampler: Sampler, seeds: range, candidates: int, chains
         cell.places[name] = _shares(_blocks(np.concatenate(positions[name])), w)
     for name, visited in visits.items():
         v = np.concatenate(visited)
-        cell.chains[name] = v.mean(axis=0), np.sqrt(v.var(axis=0) / len(v))
+        cell.chains[name], cell.chain_counts[name] = (v.mean(axis=0), np.sqrt(v.var(axis=0) / len(v))), len(v)
     for name, fluxes in flux.items():
         units = np.concatenate(fluxes)
         units = units[np.isfinite(units).all(axis=1)]

@@ -7,6 +7,7 @@ import platform
 import signal
 import threading
 import time
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
@@ -18,7 +19,7 @@ import pyopencl
 from tqdm import tqdm
 
 from .checks import check_choice, check_integer, check_number
-from .errors import PylmcError
+from .errors import PylmcError, PylmcWarning
 from .integrators import Integrator
 from .integrators.bdpt import Bidirectional
 from .integrators.lmc import LangevinMonteCarlo
@@ -126,6 +127,9 @@ def render(
         worker.prepare(seed, quick)
         _run(worker, seconds, work, progress, asked)
     image = worker.image()
+    if worker.done and not np.any(image):
+        warnings.warn(f"the picture is black, though the scene has light paths: integrator '{integrator}' met none of them; "
+                      "give it more time, or use integrator 'lmc'", PylmcWarning, stacklevel=2)  # fmt: skip
     variance = worker.variance()
     run = worker.seconds["run"]
     diagnostics = {

@@ -138,6 +138,12 @@ def test_the_command_warns_in_one_line(capsys: pytest.CaptureFixture[str], tmp_p
     assert line.startswith("pylmc: warning: aperture 0 at (0, 0.5, 0.5) is very small") and "use precision '" in line
 
 
+def test_a_black_picture_is_not_silent() -> None:
+    with pytest.warns(PylmcWarning, match="black.*use integrator 'lmc'"):
+        pylmc.render(AXIS["hole"].build(1e-4), mutations_per_pixel=1, integrator="path", max_depth=4, progress=False,
+                     precision="double")  # fmt: skip
+
+
 def test_large_pictures_come_group_by_group() -> None:
     """The picture and the films agree, and the picture's mean is b (every step splats as much)."""
     sampler = Sampler(pylmc.load("box", width=40, height=30), max_depth=3, even=False)
