@@ -19,8 +19,12 @@ from .scene import Scene
 
 @dataclass(frozen=True)
 class Thresholds:
-    """What a number type holds: half-sizes of ``holes``, ``objects`` and ``emitters``, distances of ``camera`` and ``light``
-    from a surface, the field of ``view`` in radians, and roughness ``alpha``; nothing is known to go wrong above."""
+    """What a number type holds; nothing is known to go wrong above.
+
+    Half-sizes of ``holes``, ``objects`` and ``emitters``; heights of ``camera`` and ``light`` above a surface; the camera's
+    ``view``, the tangent of half its field times that height (1 at most: rays along a surface move their node 1/height as
+    far); roughness ``alpha``.
+    """
 
     holes: float
     objects: float
@@ -33,16 +37,16 @@ class Thresholds:
 
 SINGLE = Thresholds(
     holes=4.9e-5,  # at 5e-6 z = 3.7, acceptance 0.81 for 0.88; at 5e-7 small steps are out of balance, z = 31
-    objects=4.9e-5,  # at 5e-6 z = 3.2, acceptance 0.72 for 0.85; at 5e-7 30 % of the light is lost
+    objects=4.9e-5,  # at 5e-6 acceptance is 0.72 for 0.85; at 5e-7 30 % of the light is lost
     emitters=9e-5,  # at 1e-5 small steps are out of balance, z = 13.7
-    camera=4.9e-4,  # at 5e-5 small steps are out of balance, z = 6.0
+    camera=4.9e-6,  # at 5e-7 no light is found
     light=4.9e-6,  # at 5e-7 no light is found
-    view=9e-5,  # at 1e-6 z = 30
-    alpha=9e-7,  # at 1e-8 small steps off a mirror are out of balance, z = 9.5, and a caustic is 2.8 times too bright
+    view=1.2e-5,  # at 2.5e-6 small steps are out of balance, z = 6.4; at 1.3e-7 z = 13
+    alpha=9e-7,  # at 1e-7 a caustic is 10 % too bright, at 1e-8 2.8 times; mirrors' small steps are out of balance, z = 9.5
 )
 FLOAT32_RAYS = Thresholds(
     holes=4.9e-6,  # at 5e-7 acceptance is 0.71 for 0.88; at 5e-9 the picture is 470 times too bright
-    objects=4.9e-5,  # at 5e-6 small steps are out of balance, z = 4.2; at 5e-7 29 % of the light is lost
+    objects=4.9e-5,  # at 5e-6 acceptance is 0.77 for 0.85, z = 2.8; at 5e-7 29 % of the light is lost
     emitters=9e-7,  # nothing went wrong at 1e-6
     camera=4.9e-6,  # at 5e-7 no light is found
     light=4.9e-6,  # as for the camera
@@ -81,15 +85,21 @@ def limits(scene: Scene, compiled: CompiledScene, precision: str) -> list[str]:
             check(what, 1 / (float(weights.max()) * scale), "emitters" if shape.emission else "objects")
     height, shape_below = _height(scene, scene.camera.origin, scale)
     check(f"the camera is very close to '{shape_below}'", height, "camera")
+    check("the camera's view is very narrow, or along what it sees", _half_field(scene) * min(height, 1.0), "view")
     for i, light in enumerate(scene.lights):
         height, shape_below = _height(scene, light.position, scale)
         check(f"light {i} is very close to '{shape_below}'", height, "light")
-    check("the camera's field of view, in radians, is very narrow", float(np.radians(scene.camera.fov)), "view")
     for i, shape in enumerate(scene.shapes):
         alpha = roughness(shape.material)
         if alpha is not None:
             check(f"the roughness of '{shape.name or f'shape {i}'}' is very small", alpha, "alpha")
     return _shortened(found)
+
+
+def _half_field(scene: Scene) -> float:
+    """Tangent of half the narrower field of view."""
+    camera = scene.camera
+    return float(np.tan(np.radians(camera.fov) / 2) * min(1.0, camera.width / camera.height))
 
 
 def _place(point: np.ndarray) -> str:
