@@ -26,6 +26,7 @@ _INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 # "traverse.cl:12:5: error: ..." as clang, Intel and NVIDIA write it, or PoCL's "error: traverse.cl:12:5: ..."
 _PLACE = r"([\w./-]+\.(?:cl|h)|<\w+>):(\d+)(?::\d+)?:"
 _ERROR = re.compile(rf"{_PLACE} (?:fatal )?error:? (.*)|error: {_PLACE} (.*)")
+_WORD = re.compile(r"[A-Za-z_]\w*")
 # An unsuffixed floating literal, which the kernels write for numbers of type `real`.
 _LITERAL = re.compile(r"(?<![\w.])(\d+\.\d*(?:e[-+]?\d+)?|\d+e[-+]?\d+)(?![\w.])")
 # What the compiler may do to arithmetic; "exact" and "native" permit nothing.
@@ -136,27 +137,30 @@ def build(
 ) -> cl.Program:
     """Kernel source ``main`` compiled for the devices of ``context``.
 
-    ``defines`` become ``#define`` lines, sorted, with values written by :func:`literal`; ``structs`` are C declarations
-    (see :mod:`pylmc.structs`) placed before the source. ``real`` is the kernels' number type, "float", "double" or "pair"
-    (see :mod:`pylmc.precision`), which literals without a suffix become as well; None for a source that has no reals.
-    ``math`` is as in :class:`pylmc.settings.Settings`: with ``exact`` and ``native`` contraction of ``a * b + c`` is off,
-    so devices differ by their built-in functions at most. Raises PylmcError with the device, the first error's file and
-    line, and the log's head.
+    Those ``defines`` that the source mentions become ``#define`` lines, sorted, with values written by :func:`literal`;
+    ``structs`` are C declarations (see :mod:`pylmc.structs`) placed before the source. ``real`` is the kernels' number
+    type, "float", "double" or "pair" (see :mod:`pylmc.precision`), which literals without a suffix become as well; None for
+    a source that has no reals. ``math`` is as in :class:`pylmc.settings.Settings`: with ``exact`` and ``native``
+    contraction of ``a * b + c`` is off, so devices differ by their built-in functions at most. Raises PylmcError with the
+    device, the first error's file and line, and the log's head.
     """
-    constants, types = {**defines, "MATH_NATIVE": math == "native",
-                        "MATH_CONTRACT": math in MATH_OPTIONS}, ""
+    constants: dict[str, object] = {**defines, "MATH_NATIVE": math == "native", "MATH_CONTRACT": math in MATH_OPTIONS}
+    types = ""
     if real is not None:
         constants |= {f"REAL_{name.upper()}": i for i, name in enumerate(REALS)} | {"REAL": REALS.index(real)}
         types = source("float_float.cl" if real == "pair" else "real.cl")
+    body = source(main)
+    # a constant that a source does not read must not make it another text: compilers' caches know programs by their text
+    read = set(_WORD.findall(types)) | set(_WORD.findall(body))
     text = "\n".join(
         [
             f"#pragma OPENCL FP_CONTRACT {'ON' if math in MATH_OPTIONS else 'OFF'}",
             '#line 1 "<defines>"',
-            *(f"#define {name} {literal(constants[name])}" for name in sorted(constants)),
+            *(f"#define {name} {literal(constants[name])}" for name in sorted(read & constants.keys())),
             types,
             '#line 1 "<structs>"',
             *(declaration.replace("ulong", "real") if real == "pair" else declaration for declaration in structs),
-            source(main),
+            body,
         ]
     )
     if real == "float":
