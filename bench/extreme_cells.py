@@ -28,7 +28,7 @@ from pylmc.statistics import LUMINANCE
 
 BLOCKS = 4  # per side of the film
 BURN, ROUNDS, BETWEEN = 32, 6, 8  # steps of each chain before, and between, its trials
-ENOUGH = 30  # effective independent paths (or expected chains in a block) below which a mean says nothing of its error
+ENOUGH = 30  # effective independent paths (or chains inside a block and outside) below which a mean says nothing of its error
 
 
 @dataclass
@@ -78,8 +78,9 @@ def bias(cell: Cell, reference: Cell, groups: list[str] | None = None) -> dict[s
         if g in cell.chains:
             # the chains have not forgotten the paths that they began at: their error is in it too
             error = np.sqrt(cell.chains[g][1] ** 2 + cell.places[g][1] ** 2 + reference.places[g][1] ** 2)
-            used = (reference.places[g][0] * cell.chain_counts[g] >= ENOUGH) & (error > 0)
-            z_film += list((cell.chains[g][0] - reference.places[g][0])[used] / error[used])
+            share = reference.places[g][0]
+            used = (share * (1 - share) * cell.chain_counts[g] >= ENOUGH) & (error > 0)
+            z_film += list((cell.chains[g][0] - share)[used] / error[used])
     total, total_error = summed(cell, names)
     expected, expected_error = summed(reference, names)
     z_balance = [z for g in names for z in cell.balance.get(g, [])]
