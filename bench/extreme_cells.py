@@ -23,7 +23,6 @@ import numpy as np
 from scipy.stats import norm
 
 from pylmc import PylmcError, PylmcWarning, Sampler, Scene
-from pylmc.precision import real_fields
 from pylmc.statistics import LUMINANCE
 
 BLOCKS = 4  # per side of the film
@@ -223,22 +222,3 @@ def _bad_numbers(sampler: Sampler) -> int:
               ((states.nodes, inside), (states.directions, inside), (states.deviations, inner)))  # fmt: skip
     bad += int(np.sum(~np.isfinite(states.factors[lit]))) + int(np.sum(np.isnan(states.log_pi) | (states.log_pi == np.inf)))
     return bad + int(np.sum(~np.isfinite(states.log_p[lit])))
-
-
-def arithmetic(scene: Scene, max_depth: int, seed: int, candidates: int, chains: int, device: Any = None) -> dict[str, float]:
-    """How far float32 arithmetic puts log pi and log p_ind from float64, for the very same states (rounded to float32)."""
-    pair = [Sampler(scene, device=device, precision=p, max_depth=max_depth, even=False) for p in ("double", "single")]
-    for sampler in pair:
-        sampler.init(seed, chains, candidates)
-    double, single = pair
-    raw = double.device_scene.read_struct(double._states, "ChainState", double.chains)
-    for sampler in (single, double):
-        rounded = raw.astype(real_fields(raw.dtype, np.dtype(np.float32))).astype(sampler.device_scene.dtypes["ChainState"])
-        sampler._states = sampler.device_scene.upload_struct(rounded, "ChainState")
-        sampler.groups, sampler.chains = double.groups, double.chains
-    a, b = single.states(), double.states()
-    both = np.isfinite(a.log_pi) & np.isfinite(b.log_pi)
-    apart = np.abs(a.log_pi - b.log_pi)[both]
-    apart_p = np.abs(a.log_p - b.log_p)[both & np.isfinite(a.log_p) & np.isfinite(b.log_p)]
-    median = [float(np.median(x)) if len(x) else float("nan") for x in (apart, apart_p)]
-    return {"log_pi": median[0], "log_p": median[1], "lost": 1 - float(both.mean())}
