@@ -3,6 +3,8 @@
 PYTHON ?=
 SECONDS_ ?= 150
 BIN = .venv/bin
+# one worker a core: a CPU compiler works on one core while another worker's kernels run; a file's tests share its compiles
+WORKERS = -n auto --dist loadfile
 SETUP = PYTHON="$(PYTHON)" sh tools/setup.sh
 
 .PHONY: help render test test-long lint setup setup-dev clean
@@ -25,10 +27,10 @@ render: setup
 	$(BIN)/pylmc render keyhole -o out/keyhole.exr --seconds $(SECONDS_)
 
 test: setup-dev
-	$(BIN)/python -m pytest -m "not long"
+	$(BIN)/python -m pytest -m "not long" $(WORKERS)
 
 test-long: setup-dev
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest $(WORKERS)
 
 lint: setup-dev
 	$(BIN)/ruff check .
