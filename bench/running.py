@@ -58,6 +58,32 @@ def run(sampler: Sampler, seconds: float, seed: int, integrator: str = "lmc", st
     return trace
 
 
+def rate_ratios(runs: Sequence[tuple[Sampler, str]], rounds: int, seconds: float) -> list[float]:
+    """Each run's mutations (samples) per second over the first one's: medians over ``rounds``.
+
+    The first takes its turn right beside each of the others, so that whatever else the machine does slows both alike.
+    """
+    workers: list[Any] = []
+    for sampler, integrator in runs:
+        workers.append(WORKERS[integrator](sampler))
+        if integrator == "lmc":
+            workers[-1].prepare(0, quick=True, candidates=CANDIDATES)
+        else:
+            workers[-1].prepare(0, quick=True)
+
+    def rate(worker: Any) -> float:
+        done, start = worker.done, time.perf_counter()
+        while (spent := time.perf_counter() - start) < seconds or worker.done == done:
+            worker.advance()
+        return float((worker.done - done) / spent)
+
+    found: list[list[float]] = [[] for _ in workers]
+    for _ in range(rounds):
+        for ratios, worker in zip(found, workers, strict=True):
+            ratios.append(rate(worker) / rate(workers[0]))
+    return [1.0, *(float(np.median(ratios)) for ratios in found[1:])]
+
+
 @dataclass(frozen=True)
 class Reference:
     """Luminance by greatest path length: ``mean[k]`` and ``variance[k]`` (of the mean), (height, width), for lengths to k."""

@@ -4,11 +4,12 @@
     python -m bench.trade --seconds 1 --only box --reference 20
     python -m bench.trade --page               write the table, the plots and docs/trade.md from what was measured before
 
-Each scene has a long reference in double precision by other seeds. Each option runs for the same time with each seed, the
-options taking turns, and is looked at on the way. The error is relMSE of luminance per pixel without the worst 0.1 %, at
-equal time and at equal mutations (read off the option's own curve). Bias is what is left when the seeds' pictures are
-averaged and their spread is taken off. Writes trade.json, trade.md, trade.png and unit_jacobian.png into --out, and
-docs/trade.md beside it.
+Each scene has a long reference in double precision by other seeds. Each option runs with each seed, the options taking turns,
+and is looked at on the way. The error is relMSE of luminance per pixel without the worst 0.1 %, read off the option's own
+curve at the default's number of mutations (equal mutations) and at as many as the option makes in the default's time (equal
+time); that speed is a ratio, measured in short turns beside the default, medians of several. Bias is what is left when the
+seeds' pictures are averaged and their spread is taken off. Writes trade.json, trade.md, trade.png and unit_jacobian.png
+into --out, and trade.md beside it.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from pylmc.compiled import compile_scene
 from pylmc.devices import select
 from pylmc.sampler import Sampler
 
-from .running import Reference, Trace, cell_bias, reference, relative_mse, run
+from .running import Reference, Trace, cell_bias, rate_ratios, reference, relative_mse, run
 from .trade_options import DEPTH, OPTIONS, Option, applies
 from .trade_page import write_page
 from .unit_jacobian import measure_unit_jacobian
@@ -54,18 +55,28 @@ def measure(name: str, args: argparse.Namespace) -> list[dict[str, Any]]:
             traces[option.name].append(run(samplers[option.name], args.seconds, seed, option.integrator, STOPS))
         print(f"{name}: seed {seed} done", flush=True)
     goal = median(trace.work[-1] for trace in traces["default"])
-    rows = [row(name, option, traces[option.name], truth, args.seconds, goal) for option in options]
-    of = {entry["option"]: entry for entry in rows}
-    for entry, option in zip(rows, options, strict=True):
-        base = of.get("default" if option.name == "default" else option.against, of["default"])
-        entry["against"] = base["option"]
-        for key in ("equal_time", "equal_work", "per_second"):
-            entry[f"{key}_ratio"] = entry[key] / base[key]
+    rates = rate_ratios([(samplers[option.name], option.integrator) for option in options], args.rounds, args.slice)
+    rows = [row(name, option, traces[option.name], truth, rate, goal) for option, rate in zip(options, rates, strict=True)]
+    compare(rows)
     return rows
 
 
-def row(scene: str, option: Option, traces: list[Trace], truth: Reference, seconds: float, goal: float) -> dict[str, Any]:
-    """An option's figures, medians over its seeds. The truth is longer paths too where the option is about max depth."""
+def compare(rows: list[dict[str, Any]]) -> None:
+    """Add each row's ratios to the option that it stands against, where the scene has it, or to the default."""
+    of = {entry["option"]: entry for entry in rows}
+    against = {option.name: option.against for option in OPTIONS}
+    for entry in rows:
+        base = of.get(against[entry["option"]], of["default"])
+        entry["against"] = base["option"]
+        for key in ("equal_time", "equal_work", "per_second"):
+            entry[f"{key}_ratio"] = entry[key] / base[key]
+
+
+def row(scene: str, option: Option, traces: list[Trace], truth: Reference, rate: float, goal: float) -> dict[str, Any]:
+    """An option's figures, medians over its seeds; ``rate`` is its speed over the default's.
+
+    The truth holds longer paths too where the option is about max depth.
+    """
     depth = max(truth.mean) if "max_depth" in option.settings else DEPTH
     mean, variance = truth.mean[depth], truth.variance[depth]
     curves = [[max(relative_mse(picture, mean, variance), 1e-9) for picture in trace.pictures] for trace in traces]
@@ -74,9 +85,10 @@ def row(scene: str, option: Option, traces: list[Trace], truth: Reference, secon
         "scene": scene, "option": option.name, "integrator": option.integrator, "settings": option.settings,
         "seconds": [median(t.seconds[i] for t in traces) for i in range(len(curves[0]))],
         "errors": [median(curve[i] for curve in curves) for i in range(len(curves[0]))],
-        "equal_time": median(at(seconds, trace.seconds, curve) for trace, curve in zip(traces, curves, strict=True)),
+        "work": [median(t.work[i] for t in traces) for i in range(len(curves[0]))],
+        "equal_time": median(at(goal * rate, trace.work, curve) for trace, curve in zip(traces, curves, strict=True)),
         "equal_work": median(at(goal, trace.work, curve) for trace, curve in zip(traces, curves, strict=True)),
-        "bias": bias, "bias_noise": noise, "per_second": median(trace.rate for trace in traces),
+        "bias": bias, "bias_noise": noise, "per_second": rate * goal / median(t.seconds[-1] for t in traces),
         "ess_per_second": median(t.diagnostics.get("ess", 0.0) / t.seconds[-1] for t in traces),
         "acceptance": median(t.diagnostics.get("acceptance", float("nan")) for t in traces),
         "not_finite": sum(t.diagnostics.get("not_finite_rejected", 0) for t in traces),
@@ -97,6 +109,8 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=3, help="run time of each render (default 3)")
     parser.add_argument("--seeds", type=int, default=3, help="renders per option, at least 2 (default 3)")
     parser.add_argument("--reference", type=float, default=180, help="run time of each scene's reference (default 180)")
+    parser.add_argument("--rounds", type=int, default=5, help="turns in which speeds are measured (default 5)")
+    parser.add_argument("--slice", type=float, default=0.3, help="seconds of each turn (default 0.3)")
     parser.add_argument("--size", type=int, default=128, help="pixels per side, a multiple of 16 (default 128)")
     parser.add_argument("--device", default=None, help="as for pylmc render")
     parser.add_argument("--out", type=Path, default=Path("docs/trade"), help="folder for the results (default docs/trade)")
