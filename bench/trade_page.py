@@ -213,8 +213,8 @@ def defaults(found: dict[str, Any]) -> list[str]:
     """The section on the defaults: each against the best of its alternatives, in geometric mean over the scenes."""
     lines = ["## The defaults", "",
              f"A default stays unless an exact alternative has a lower error at equal time by more than {100 * MARGIN:.0f} %, "
-             "in geometric mean over the scenes that it concerns. `math` stays exact whatever it gains: the tests' guarantees go "
-             "with it.", "",
+             "in geometric mean over the scenes that it concerns. `math` stays exact whatever it gains: the tests' guarantees "
+             "go with it.", "",
              "| default | best alternative | its error over the default's | verdict |", "|---|---|---|---|"]  # fmt: skip
     for default, options in CHOICES.items():
         ratios = {option: mean_ratio(found, option, "equal_time") for option in options if _rows(found, option)}
