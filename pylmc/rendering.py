@@ -146,8 +146,20 @@ def render(
     diagnostics["rays_per_second"] = diagnostics["rays"] / run if run else 0.0
     if diagnostics.get("ess"):
         diagnostics["ess_per_second"] = diagnostics["ess"] / run
+    _warn_of_range(image)
     single = np.nan_to_num(np.clip(image, 0, np.finfo(np.float32).max)).astype(np.float32)
     return Render(single, diagnostics, variance)
+
+
+def _warn_of_range(image: np.ndarray) -> None:
+    """A picture is float32: say so where its radiance is beyond that, above or below."""
+    kind, brightest = np.finfo(np.float32), float(np.max(image, initial=0.0))
+    if brightest > kind.max:
+        warnings.warn(f"radiance up to {brightest:.3g} is more than a picture holds ({kind.max:.3g}) and is cut off there: "
+                      "give the lights less power", PylmcWarning, stacklevel=3)  # fmt: skip
+    elif 0 < brightest < 1000 * kind.tiny:  # a picture's dark parts are a thousandth of its bright ones
+        warnings.warn(f"radiance of at most {brightest:.3g} is too dim for a picture, whose numbers end at {kind.tiny:.3g}: "
+                      "give the lights more power", PylmcWarning, stacklevel=3)  # fmt: skip
 
 
 def _check_budget(seconds: float | None, mutations_per_pixel: float | None) -> None:

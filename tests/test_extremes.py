@@ -154,3 +154,16 @@ def test_large_pictures_come_group_by_group() -> None:
     sampler.counters()
     expected = sum(group.b for group in groups) * sampler.compiled.radiance_scale
     assert (sampler.image() @ LUMINANCE).mean() == pytest.approx(expected, rel=1e-5)
+
+
+@pytest.mark.parametrize(("intensity", "said"), [(1e-42, "too dim"), (1e36, None), (1.0, None)])
+def test_radiance_beyond_a_pictures_range_is_said(intensity: float, said: str | None) -> None:
+    """Pictures are float32: what falls below its range warns, and does not just come out black."""
+    scene = pylmc.load("keyhole", hole=0.3, roughness=0.2, width=8, height=8)
+    lights = [pylmc.PointLight(scene.lights[0].position, intensity)]
+    scene = pylmc.Scene(scene.camera, scene.shapes, lights, scene.apertures)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        pylmc.render(scene, mutations_per_pixel=2000, max_depth=3, progress=False)
+    told = [str(w.message) for w in caught if issubclass(w.category, PylmcWarning)]
+    assert (not told) if said is None else any(said in text for text in told)
