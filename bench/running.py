@@ -36,13 +36,17 @@ class Trace:
         return self.work[-1] / self.seconds[-1]
 
 
+def prepared(sampler: Sampler, integrator: str, seed: int) -> Any:
+    """An integrator that is compiled, started, and ready to advance."""
+    worker: Any = WORKERS[integrator](sampler)
+    start = {"candidates": CANDIDATES} if integrator == "lmc" else {}
+    worker.prepare(seed, quick=True, **start)
+    return worker
+
+
 def run(sampler: Sampler, seconds: float, seed: int, integrator: str = "lmc", stops: Sequence[float] = (1.0,)) -> Trace:
     """Run for ``seconds`` and look at the picture at the given parts of it. The set-up does not count."""
-    worker: Any = WORKERS[integrator](sampler)
-    if integrator == "lmc":
-        worker.prepare(seed, quick=True, candidates=CANDIDATES)
-    else:
-        worker.prepare(seed, quick=True)
+    worker = prepared(sampler, integrator, seed)
     trace, pending = Trace(), list(stops)
     spent = 0.0
     while pending:
@@ -63,13 +67,7 @@ def rate_ratios(runs: Sequence[tuple[Sampler, str]], rounds: int, seconds: float
 
     The first takes its turn right beside each of the others, so that whatever else the machine does slows both alike.
     """
-    workers: list[Any] = []
-    for sampler, integrator in runs:
-        workers.append(WORKERS[integrator](sampler))
-        if integrator == "lmc":
-            workers[-1].prepare(0, quick=True, candidates=CANDIDATES)
-        else:
-            workers[-1].prepare(0, quick=True)
+    first, *others = [prepared(sampler, integrator, 0) for sampler, integrator in runs]
 
     def rate(worker: Any) -> float:
         done, start = worker.done, time.perf_counter()
@@ -77,11 +75,8 @@ def rate_ratios(runs: Sequence[tuple[Sampler, str]], rounds: int, seconds: float
             worker.advance()
         return float((worker.done - done) / spent)
 
-    found: list[list[float]] = [[] for _ in workers]
-    for _ in range(rounds):
-        for ratios, worker in zip(found, workers, strict=True):
-            ratios.append(rate(worker) / rate(workers[0]))
-    return [1.0, *(float(np.median(ratios)) for ratios in found[1:])]
+    found = np.array([[rate(worker) / rate(first) for worker in others] for _ in range(rounds)])
+    return [1.0, *np.median(found, axis=0).tolist()]
 
 
 @dataclass(frozen=True)

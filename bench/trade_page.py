@@ -218,6 +218,8 @@ def defaults(found: dict[str, Any]) -> list[str]:
              "| default | best alternative | its error over the default's | verdict |", "|---|---|---|---|"]  # fmt: skip
     for default, options in CHOICES.items():
         ratios = {option: mean_ratio(found, option, "equal_time") for option in options if _rows(found, option)}
+        if not ratios:  # none of the scenes measured has a choice here
+            continue
         best = min(ratios, key=lambda option: ratios[option])
         verdict = "stays" if ratios[best] > 1 - MARGIN else "**the alternative is better**"
         lines.append(f"| {default} | {best} | {ratios[best]:.2f} | {verdict} |")
