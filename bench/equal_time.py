@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 import pylmc
-from pylmc.compare import metrics
+from pylmc.picture.metrics import metrics
 
 METHODS: dict[str, dict[str, Any]] = {
     "lmc, target charts": {},

@@ -14,7 +14,7 @@ import numpy as np
 
 import pylmc
 from pylmc import Aperture, Camera, Diffuse, PointLight, RoughConductor, Scene, Shape
-from pylmc.loading import scene_module
+from pylmc.scene.loading import scene_module
 
 SIDE = 16  # pixels of the film, where that is not what is driven
 SLIVERS = 1000

@@ -23,7 +23,7 @@ import numpy as np
 import pyopencl as cl
 
 import pylmc
-from pylmc.sampler import Sampler
+from pylmc.sampling.sampler import Sampler
 from pylmc.settings import MAX_DEPTH
 
 SCENES = ("box", "glints", "keyhole", "caustic")
@@ -52,7 +52,7 @@ def built(sampler: Sampler, constants: dict[str, Any]) -> tuple[cl.Kernel, float
     """(kernel, seconds of a cold build, what the driver tells). A comment of its own keeps caches from answering."""
     device = sampler.device_scene
     start = time.perf_counter()
-    kernel = device.kernel("chains.cl", "run_chains", **constants, FAULT=f"0 // {uuid.uuid4().hex}")
+    kernel = device.kernel("entry/chains.cl", "run_chains", **constants, FAULT=f"0 // {uuid.uuid4().hex}")
     sampler._kernel = kernel
     sampler._launch(0)  # some implementations compile for real here
     device.queue.finish()

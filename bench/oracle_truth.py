@@ -1,6 +1,6 @@
 """How close the kernels are to the float64 oracle: the table and picture of docs/truth.md's first part.
 
-    python -m bench.oracle_truth            runs tests/test_oracle_agreement.py and gathers what it measured
+    python -m bench.oracle_truth            runs tests/kernels/test_oracle_agreement.py and gathers what it measured
 
 Errors are in roundings of the number type (the test's docstring says what that means); for each quantity and precision the
 table has the worst case's median, 99 % quantile and maximum, and the bounds that the test holds them to. Writes oracle.md,
@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-TEST = "tests/test_oracle_agreement.py"
+TEST = "tests/kernels/test_oracle_agreement.py"
 _CASE = re.compile(r"::\w+\[([^\]]+)\]")
 _FOUND = re.compile(r"^(.*?): ([-\d.e+]+) ([-\d.e+]+) ([-\d.e+]+) of \((\d+), (\d+), (\d+)\)$")
 

@@ -12,9 +12,9 @@ import numpy as np
 from pylmc.integrators.bdpt import Bidirectional
 from pylmc.integrators.lmc import LangevinMonteCarlo
 from pylmc.integrators.path import PathTracer
-from pylmc.sampler import STEPS_PER_LAUNCH, Sampler
+from pylmc.picture.statistics import LUMINANCE
+from pylmc.sampling.sampler import STEPS_PER_LAUNCH, Sampler
 from pylmc.scene import Scene
-from pylmc.statistics import LUMINANCE
 
 WORKERS = {"lmc": LangevinMonteCarlo, "bdpt": Bidirectional, "path": PathTracer}
 CANDIDATES = 1 << 15  # of the start, per path length and ending: little, so that the run itself decides

@@ -27,7 +27,7 @@ from typing import Any
 
 import numpy as np
 
-from pylmc import devices as survey
+from pylmc.device import survey
 
 ROOT = Path(__file__).resolve().parents[1]
 

@@ -1,4 +1,5 @@
-"""Does the Markov kernel keep its target? Every configuration of tests/invariance_cases.py, and the faults that must be seen.
+"""Does the Markov kernel keep its target? Every configuration of tests/studies/invariance_cases.py, and the faults that
+must be seen.
 
     python -m bench.sampler_truth             writes docs/truth/sampler.md, .json and .png, and prints the table
     python -m bench.sampler_truth --seed 7    with other random numbers
@@ -21,9 +22,9 @@ import numpy as np
 from scipy import stats
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from invariance import Outcome
-from invariance_cases import ALPHA, CASES, CONTROLS, FAULTY, start
-from test_ergodicity import STEPS, run
+from studies.ergodicity import STEPS, run
+from studies.invariance import Outcome
+from studies.invariance_cases import ALPHA, CASES, CONTROLS, FAULTY, start
 
 matplotlib.use("Agg")
 from matplotlib import pyplot

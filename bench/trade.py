@@ -23,9 +23,9 @@ from typing import Any
 import numpy as np
 
 import pylmc
-from pylmc.compiled import compile_scene
-from pylmc.devices import select
-from pylmc.sampler import Sampler
+from pylmc.device.survey import select
+from pylmc.sampling.compiled import compile_scene
+from pylmc.sampling.sampler import Sampler
 
 from .running import Reference, Trace, cell_bias, rate_ratios, reference, relative_mse, run
 from .trade_options import DEPTH, OPTIONS, Option, applies

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from pylmc.compiled import CompiledScene
+from pylmc.sampling.compiled import CompiledScene
 from pylmc.settings import CONSTRAINTS
 
 DEPTH = 8  # of the default; the reference knows longer paths

@@ -16,8 +16,8 @@ import numpy as np
 import pyopencl as cl
 import trimesh
 
-from pylmc import bvh
-from pylmc.raytracer import LOCAL_SIZE, RayTracer
+from pylmc.device.raytracer import LOCAL_SIZE, RayTracer
+from pylmc.geometry import bvh
 
 try:
     from embreex.mesh_construction import TriangleMesh

@@ -20,14 +20,14 @@ from typing import Any
 
 import matplotlib
 import numpy as np
-
-from pylmc.image import exposure, tonemap
-from pylmc.statistics import LUMINANCE
 from tests.comparison.description import Description
 from tests.comparison.scenes import SCENES
 from tests.comparison.to_mitsuba import mitsuba_runs
 from tests.comparison.to_pylmc import lmc_runs, path_runs, pylmc_scene
 from tests.comparison.verdict import Verdict, judge
+
+from pylmc.picture.image import exposure, tonemap
+from pylmc.picture.statistics import LUMINANCE
 
 matplotlib.use("Agg")
 from matplotlib import pyplot

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 import pylmc
-from pylmc.sampler import Sampler
+from pylmc.sampling.sampler import Sampler
 from pylmc.scene import Diffuse, RoughConductor, Scene, Shape
 
 ROUGHNESS = (0.01, 0.03, 0.1, 0.3, 0.6, 1.0)

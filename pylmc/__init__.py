@@ -9,12 +9,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .device.raytracer import RayTracer
     from .errors import PylmcError, PylmcWarning
     from .inspection import info
-    from .loading import load
-    from .raytracer import RayTracer
     from .rendering import Render, render
-    from .sampler import Sampler
+    from .sampling.sampler import Sampler
+    from .sampling.states import States
     from .scene import (
         Aperture,
         Camera,
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
         Shape,
         Texture,
     )
-    from .states import States
+    from .scene.loading import load
 
     __version__: str
 
@@ -39,10 +39,10 @@ __all__ = [
 _HOME = {
     "errors": ("PylmcError", "PylmcWarning"),
     "inspection": ("info",),
-    "loading": ("load",),
-    "raytracer": ("RayTracer",),
+    "scene.loading": ("load",),
+    "device.raytracer": ("RayTracer",),
     "rendering": ("Render", "render"),
-    "sampler": ("Sampler",), "states": ("States",),
+    "sampling.sampler": ("Sampler",), "sampling.states": ("States",),
     "scene": ("Aperture", "Camera", "Diffuse", "MetallicRoughness", "PointLight", "RoughConductor", "RoughDielectric",
               "Scene", "Shape", "Texture"),
 }  # fmt: skip

@@ -9,4 +9,4 @@ class PylmcError(Exception):
 
 
 class PylmcWarning(UserWarning):
-    """The result may be wrong, and why: a sentence that names the thing, the place and the remedy (see pylmc.limits)."""
+    """The result may be wrong, and why: a sentence that names the thing, the place and the remedy (pylmc.sampling.limits)."""

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from .compiled import compile_scene
-from .limits import limits
-from .preconditioner import MAX_APERTURES, NARROW_ALPHA
+from .constraints.plan import MAX_APERTURES, NARROW_ALPHA
+from .sampling.compiled import compile_scene
+from .sampling.limits import limits
 from .scene import Scene
 from .settings import Settings
 
@@ -18,7 +18,7 @@ ENDING_WORDS = ("connect (to a point light)", "hit (an emitter)")
 def info(scene: Scene, precision: str = "single", **settings: Any) -> str:
     """Path lengths, lobes, constraints by kind and count, and what was left out and why; as lines of text.
 
-    ``precision``: whose limits are told (see :mod:`pylmc.limits`). The other keyword arguments are those of
+    ``precision``: whose limits are told (see :mod:`pylmc.sampling.limits`). The other keyword arguments are those of
     :class:`pylmc.settings.Settings`. Needs no OpenCL device.
     """
     chosen = Settings(**settings)

@@ -24,10 +24,10 @@ from .integrators import Integrator
 from .integrators.bdpt import Bidirectional
 from .integrators.lmc import LangevinMonteCarlo
 from .integrators.path import PathTracer
-from .sampler import Sampler
+from .picture.statistics import LUMINANCE, relative_error
+from .sampling.sampler import Sampler
 from .scene import Scene
 from .settings import DEFAULT_SECONDS, INTEGRATORS
-from .statistics import LUMINANCE, relative_error
 
 BATCHES = 16  # the error estimate compares this many parts of the run
 QUICK_SECONDS, QUICK_MUTATIONS = 10, 1 << 23  # shorter renders spend less on the start
@@ -46,7 +46,7 @@ class Render:
 
     def save(self, path: str | Path) -> list[Path]:
         """Write ``path`` (OpenEXR, with metadata), and beside it a tone-mapped .png and the diagnostics as .json."""
-        from .image import write_exr, write_png
+        from .picture.image import write_exr, write_png
 
         target = Path(path)
         if target.suffix.lower() != ".exr":

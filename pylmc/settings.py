@@ -34,7 +34,7 @@ class Settings:
     step: (least, greatest) step length h, drawn log-uniformly each step.
     aim: from where the independent sampler aims at apertures and small objects: ``everywhere`` (light, camera and diffuse
     nodes) or ``light`` (its first direction only, as in theory.md, 6). even: whether the target is weighted so that dark
-    and bright parts of the film get alike many samples (see :mod:`pylmc.evenness`), or is plain luminance.
+    and bright parts of the film get alike many samples (see :mod:`pylmc.sampling.evenness`), or is plain luminance.
     blocks: whether small steps may move a leading part of the path only (theory.md, 2, Blocks).
     constraints: the kinds that shape the proposal, of ``lobes``, ``holes``, ``objects`` and ``normals``; with none of them
     steps are isotropic: one radian or chart unit per direction. differentials: ``full``, or ``reduced``, which takes

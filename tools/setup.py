@@ -105,9 +105,9 @@ def install_package(dev: bool) -> None:
 def works() -> bool:
     """Whether some device builds and runs a kernel; says which, or what is wrong with those that are there."""
     code = (
-        "from pylmc import devices; devices.refresh()\n"
-        "for d in devices.usable(): print('OpenCL works:', d.label)\n"
-        "for r in devices.rejected(): print(f'{r.label} does not work: {r.reason}')"
+        "from pylmc.device import survey; survey.refresh()\n"
+        "for d in survey.usable(): print('OpenCL works:', d.label)\n"
+        "for r in survey.rejected(): print(f'{r.label} does not work: {r.reason}')"
     )
     lines = quiet(PYTHON, "-c", code).splitlines()
     for line in lines:
@@ -182,7 +182,7 @@ def private_apt(lists: list[str]) -> list[str]:
 
 
 def describe(root: Path) -> None:
-    """Write .opencl/implementation.json, from which pylmc.devices knows what to load, in an order that works."""
+    """Write .opencl/implementation.json, from which pylmc.device.survey knows what to load, in an order that works."""
     library = next(iter(sorted(root.glob("usr/lib/*/libpocl.so.2"))), None)
     if library is None:
         raise Failed("the unpacked packages hold no libpocl.so.2")

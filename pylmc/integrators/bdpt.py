@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pyopencl as cl
 
-from .. import layout
-from ..groups import Group
-from ..sampler import FILM_SCALE, STEPS_PER_LAUNCH, Sampler
-from ..statistics import LUMINANCE, BatchMeans
+from ..device import layout
+from ..picture.statistics import LUMINANCE, BatchMeans
+from ..sampling.groups import Group
+from ..sampling.sampler import FILM_SCALE, STEPS_PER_LAUNCH, Sampler
 
 STREAMS_CPU, STREAMS_GPU = 4096, 65536
 
@@ -52,7 +52,7 @@ class Bidirectional:
         self._table = device.upload_struct(np.concatenate(parts), "ChainStart")
         self._counters = device.zeros(first * device.dtypes["ChainCounters"].itemsize)
         self._film = device.zeros(len(self.groups) * self.sampler.film_pixels * 24)
-        self._kernel = device.kernel("bdpt.cl", "render_independent")
+        self._kernel = device.kernel("entry/bdpt.cl", "render_independent")
         with device.compiling():
             self._launch(0)
         self.batches = BatchMeans()

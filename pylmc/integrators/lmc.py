@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pyopencl as cl
 
-from ..sampler import STEPS_PER_LAUNCH, Sampler
-from ..statistics import LUMINANCE, BatchMeans, mixing
+from ..picture.statistics import LUMINANCE, BatchMeans, mixing
+from ..sampling.sampler import STEPS_PER_LAUNCH, Sampler
 
 CHAINS_CPU, CHAINS_GPU = 4096, 65536
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ..sampler import Sampler
-from ..statistics import LUMINANCE, BatchMeans
+from ..picture.statistics import LUMINANCE, BatchMeans
+from ..sampling.sampler import Sampler
 
 PIXELS_PER_LAUNCH = 1 << 18  # keeps a launch short on large films, for the progress bar and Ctrl-C
 
@@ -34,7 +34,7 @@ class PathTracer:
         streams = min(self.sampler.film_pixels, PIXELS_PER_LAUNCH)
         self._counters = device.zeros(streams * device.dtypes["ChainCounters"].itemsize)
         # a plain path tracer does not aim at holes
-        self._kernel = device.kernel("path_tracer.cl", "render_paths", NUM_TARGETS=0)
+        self._kernel = device.kernel("entry/path_tracer.cl", "render_paths", NUM_TARGETS=0)
         with device.compiling():
             self._launch(0, 1, 0)
         self.batches = BatchMeans()

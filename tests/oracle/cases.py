@@ -9,10 +9,10 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import pytest
-from probes import textured_scene
+from studies.probes import textured_scene
 
 import pylmc
-from pylmc.sampler import Sampler
+from pylmc.sampling.sampler import Sampler
 from pylmc.scene import Scene
 
 from .chains import read_states

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from pylmc import layout
-from pylmc.device_scene import SCENE_ARGUMENTS
-from pylmc.sampler import Sampler
+from pylmc.device import layout
+from pylmc.device.device_scene import SCENE_ARGUMENTS
+from pylmc.sampling.sampler import Sampler
 
 from .integrand import log_pi
 from .paths import Paths, paths_through

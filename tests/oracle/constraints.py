@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pylmc.preconditioner import combine
+from pylmc.constraints.plan import combine
 
 from .charts import APERTURE, DEVIATION, NODE, Charts
 from .displaced import Moved

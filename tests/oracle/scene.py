@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from pylmc.compiled import CompiledScene
+from pylmc.sampling.compiled import CompiledScene
 
 from .vectors import Array, dot, norm
 

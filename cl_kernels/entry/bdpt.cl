@@ -1,0 +1,29 @@
+// integrator="bdpt": the independent sampler alone. Each work-item draws paths of its group and splats C / p_ind.
+#include "path/chain_state.cl"
+#include "path/film.cl"
+
+#define PURPOSE_BDPT 2u
+
+PATH_KERNEL void render_independent(SCENE_PARAMETERS, uint seed, ulong first_step, int steps, uint streams, __global const ChainStart *groups,
+                                 __global ChainCounters *counters, __global volatile uint *film, int film_pixels) {
+    uint index = get_global_id(0);
+    if (index >= streams) return;
+    Scene scene = SCENE_BUNDLE;
+    ChainStart group = groups[index];
+    size_t slot = (size_t)group.slot * film_pixels;
+    for (int step = 0; step < steps; step++) {
+        Rng rng = rng_open(seed, index, first_step + step, PURPOSE_BDPT);
+        Path path;
+        counters[index].proposed[0]++;
+        if (!sample_path(&scene, group.length, group.ending, &rng, &path)) continue;
+        Radiance radiance = integrand(&scene, &path);
+        real weight = exp(radiance.log_i - log_independent_density(&scene, &path));
+        if (!isfinite(weight)) {
+            counters[index].not_finite++;
+            continue;
+        }
+        counters[index].acceptance[0] += 1.0;
+        film_add(film, slot + pixel_of(&scene, path.vertex[1].v), group.scale * weight * colour_over_target(&radiance));
+    }
+    counters[index].rays += scene.rays;
+}

@@ -1,0 +1,153 @@
+// The small step (theory.md, 3): delta X = a dt + h T xi in the charts of X, h = sqrt(2 dt), and the log densities of the
+// step and of its reverse, eqs. (5)-(10), in the solid-angle measure of the state:
+//
+//     p(X^|X) = G(xi) / (h^n |det T| prod_i dsigma_i/ddelta_i)
+#ifndef PYLMC_SMALL_STEP
+#define PYLMC_SMALL_STEP
+
+#include "moves/blocks.cl"
+#include "constraints/preconditioner.cl"
+
+// Test-only: each fault breaks one thing that Hastings' rule needs, so that the tests of invariance can be seen to fail
+// (tests/studies/invariance_cases.py). Nothing but a test defines FAULT.
+#define FAULT_NONE 0
+#define FAULT_NO_DETERMINANT 1  // log |det T| left out, both of X and of X^
+#define FAULT_REVERSE_SIGN 2    // the reverse step's delta X taken from X to X^; shows with drift only, G being even
+#define FAULT_FACTOR_OF_X 3     // the reverse step by T(X) and a(X) in place of T(X^) and a(X^)
+#ifndef FAULT
+#define FAULT FAULT_NONE
+#endif
+
+#define STEP_OK 0
+#define STEP_NO_PATH 1      // the proposal carries no light
+#define STEP_NOT_FINITE 2   // a density came out as NaN or infinity: rejected, and counted
+
+// Move directions 1 .. m of x by delta and trace; y is the new path. p, p_new: frames at v_1 and v^_1. The sum of the
+// charts' log dsigma/ddelta comes back by pointer.
+bool displaced_path(Scene *scene, const Path *x, int m, const real *delta, const Chart *charts, real3 p, real3 *p_new, Path *y, real *log_jacobian) {
+    y->length = x->length;
+    y->ending = x->ending;
+    y->light = x->light;
+    *log_jacobian = 0.0;
+    real3 node = vec3(scene->camera->origin);
+    for (int j = 1; j <= m; j++) {
+        const Vertex *here = j > 1 ? &y->vertex[j - 1] : 0;
+        real3 s = p, v;  // s: of deviations only, which v_1 never is
+        real jacobian;
+#if HAS_DEVIATION
+        if (j > 1) {
+            s = reference_direction(scene, here, here->v);
+            p = transport_frame(here, here->v, p, s);
+        }
+#endif
+        if (!chart_direction(&charts[j], (real2)(delta[2 * j - 2], delta[2 * j - 1]), node, s, p, &v, &jacobian)) return false;
+        *log_jacobian += jacobian;
+        if (j == 1) {
+            // cheap refusals first: off the film, nothing needs tracing
+            if (!(camera_importance(scene, v) > 0.0)) return false;
+            p = *p_new = rotate_minimal(p, x->vertex[1].v, v);
+        }
+#if HAS_DEVIATION
+        else p = rotate_minimal(p, s, v);
+#endif
+        Vertex *next = &y->vertex[j];
+        if (!trace_to_vertex(scene, here, v, next)) return false;
+        next->lobe = x->vertex[j].lobe;
+        if (j < y->length) {
+            if (!has_lobe(&scene->materials[next->material], next->lobe)) return false;
+            if (is_narrow(scene, next) != is_narrow(scene, &x->vertex[j])) return false;
+        }
+        node = next->x;
+    }
+    for (int j = m + 1; j <= y->length; j++) y->vertex[j] = x->vertex[j];
+    if (m == y->length) return emitter_at(scene, &y->vertex[m]) != 0;
+    Vertex *far = &y->vertex[m + 1];
+    far->t = distance(far->x, node);
+    if (!(far->t > 0.0)) return false;
+    far->v = (far->x - node) / far->t;
+    return true;
+}
+
+// log dsigma/dA of the direction that joins a shorter block to the fixed node x_{m+1}: its delta is zero in its own chart.
+real joint_log_jacobian(const Path *path, int m) {
+    if (m >= free_directions(path)) return 0.0;
+    const Vertex *far = &path->vertex[m + 1];
+    return log(fabs(dot(far->ng, far->v)) / square(far->t));
+}
+
+real log_determinant(const Factor *factor) {
+#if FAULT == FAULT_NO_DETERMINANT
+    return 0.0;
+#else
+    return factor_log_determinant(factor);
+#endif
+}
+
+// Propose y from x by a small step of the block m, length h and normal numbers xi. log_forward and log_reverse: log p(X^|X) and
+// log p(X|X^), but for the factor (2 pi)^{-m} h^{-2m} that they share.
+int propose_small(Scene *scene, const Path *x, int m, real h, const real *xi, Path *y, Radiance *radiance, real *log_forward,
+                  real *log_reverse) {
+    Chart charts[MAX_DEPTH + 1];
+    Factor factor;
+    Row gradient;
+    real3 p = any_tangent(x->vertex[1].v), p_new;
+    if (!charts_of_path(scene, x, m, p, charts)) return STEP_NO_PATH;
+    precondition(scene, x, m, p, charts, &factor, &gradient);
+    int n = 2 * m;
+    real shift[COLUMNS], delta[COLUMNS];  // in units of xi, and of the charts
+    real forward = log_determinant(&factor);
+    for (int k = 0; k < n; k++) {
+        shift[k] = xi[k];
+        forward -= 0.5 * square(xi[k]);
+    }
+#if DRIFT
+    real drift[COLUMNS];
+    scaled_drift(&factor, &gradient, h, drift);
+    for (int k = 0; k < n; k++) shift[k] += drift[k];
+#endif
+    factor_solve_transposed(&factor, shift, delta);
+    for (int k = 0; k < n; k++) delta[k] *= h;
+
+    real log_jacobian, log_jacobian_back = 0.0;
+    if (!displaced_path(scene, x, m, delta, charts, p, &p_new, y, &log_jacobian)) return STEP_NO_PATH;
+    *radiance = integrand(scene, y);
+    if (radiance->log_i == LOG_ZERO) return STEP_NO_PATH;
+    if (m < y->length) {
+        const Vertex *near = &y->vertex[m], *far = &y->vertex[m + 1];
+        if (!visible(scene, near->x, near->ng, far->x, far->ng)) return STEP_NO_PATH;
+    }
+    forward -= log_jacobian + joint_log_jacobian(y, m);
+
+    // the reverse step, from X^ with its own charts and factor
+    Chart charts_new[MAX_DEPTH + 1];
+    if (!charts_of_path(scene, y, m, p_new, charts_new)) return STEP_NO_PATH;
+    real3 node = vec3(scene->camera->origin);
+    for (int j = 1; j <= m; j++) {
+        real2 back;
+        real jacobian;
+        if (charts_new[j].kind != charts[j].kind) return STEP_NO_PATH;
+        if (!chart_delta(&charts_new[j], node, x->vertex[j].v, charts[j].omega, &back, &jacobian)) return STEP_NO_PATH;
+        delta[2 * j - 2] = back.x / h;
+        delta[2 * j - 1] = back.y / h;
+        log_jacobian_back += jacobian;
+        node = x->vertex[j].x;
+    }
+#if FAULT != FAULT_FACTOR_OF_X
+    precondition(scene, y, m, p_new, charts_new, &factor, &gradient);
+#endif
+    factor_apply_transposed(&factor, delta, shift);
+#if FAULT == FAULT_REVERSE_SIGN
+    for (int k = 0; k < n; k++) shift[k] = -shift[k];
+#endif
+#if DRIFT
+    scaled_drift(&factor, &gradient, h, drift);
+    for (int k = 0; k < n; k++) shift[k] -= drift[k];
+#endif
+    real reverse = log_determinant(&factor) - log_jacobian_back - joint_log_jacobian(x, m);
+    for (int k = 0; k < n; k++) reverse -= 0.5 * square(shift[k]);
+    *log_forward = forward;
+    *log_reverse = reverse;
+    return isfinite(reverse - forward) ? STEP_OK : STEP_NOT_FINITE;
+}
+
+#endif

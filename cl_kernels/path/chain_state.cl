@@ -1,0 +1,45 @@
+// A chain between launches: its path's random content (directions, lengths, triangles, lobes) and what is known of its
+// density. The struct is generated from pylmc/device/layout.py; the nodes are placed anew from triangle and barycentrics.
+#ifndef PYLMC_CHAIN_STATE
+#define PYLMC_CHAIN_STATE
+
+#include "path/independent.cl"
+
+void load_path(const Scene *scene, __global const ChainState *state, Path *path) {
+    path->length = state->length;
+    path->ending = state->ending;
+    path->light = state->light;
+    for (int i = 1; i <= path->length; i++) {
+        __global const ChainVertex *stored = &state->vertex[i - 1];
+        Vertex *vertex = &path->vertex[i];
+        if (stored->triangle >= 0) {
+            place_on_triangle(scene, stored->triangle, stored->bu, stored->bv, vertex);
+        } else {
+            vertex->x = vec3(scene->points[path->light].position);
+            vertex->ng = (real3)(0.0);
+            vertex->triangle = -1;
+        }
+        vertex->v = vec3(stored->v);
+        vertex->t = stored->t;
+        vertex->lobe = stored->lobe;
+    }
+}
+
+void store_path(const Path *path, __global ChainState *state) {
+    state->length = path->length;
+    state->ending = path->ending;
+    state->light = path->light;
+    for (int i = 1; i <= path->length; i++) {
+        __global ChainVertex *stored = &state->vertex[i - 1];
+        const Vertex *vertex = &path->vertex[i];
+        bool on_light = path->ending == ENDING_CONNECT && i == path->length;
+        vstore3(vertex->v, 0, stored->v);
+        stored->t = vertex->t;
+        stored->bu = on_light ? 0.0 : vertex->bu;
+        stored->bv = on_light ? 0.0 : vertex->bv;
+        stored->triangle = on_light ? -1 : vertex->triangle;
+        stored->lobe = vertex->lobe;
+    }
+}
+
+#endif

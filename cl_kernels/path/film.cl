@@ -1,0 +1,29 @@
+// The film: 64-bit fixed point, two 32-bit words a channel, added with 32-bit atomics alone (OpenCL 1.2 core). The low
+// word's sum wraps; whoever sees it wrap carries one into the high word. Every wrap is seen once, so the sum is exact and
+// does not depend on the order of the additions: the same seed gives the same image, run after run, on any one device.
+#ifndef PYLMC_FILM
+#define PYLMC_FILM
+
+#include "number/real.cl"
+
+#define FILM_SCALE 16777216.0f  // 2^24 to the unit: values near 1 keep all of a float's digits
+
+void film_add_channel(__global volatile uint *word, float value) {
+    if (!(value > 0.0f)) return;  // nothing, or NaN, which must not reach the film
+    float scaled = fmin(value * FILM_SCALE, 1.8e19f) + 0.5f;
+    uint high = (uint)(scaled * 2.3283064365386963e-10f);  // 2^-32
+    uint low = (uint)(scaled - (float)high * 4294967296.0f);
+    if (low) {
+        uint before = atomic_add(&word[0], low);
+        high += before + low < before;
+    }
+    if (high) atomic_add(&word[1], high);
+}
+
+void film_add(__global volatile uint *film, size_t pixel, real3 value) {
+    film_add_channel(film + 6 * pixel, (float)value.x);
+    film_add_channel(film + 6 * pixel + 2, (float)value.y);
+    film_add_channel(film + 6 * pixel + 4, (float)value.z);
+}
+
+#endif

@@ -1,0 +1,134 @@
+// The bidirectional independent sampler (theory.md, 6): pick a split k uniformly, draw x_1 .. x_k from the camera and the
+// rest from the light. p_ind is the mean over all splits of the products of densities (the balance heuristic), in the
+// solid-angle measure of the path's free directions, times the probability of the path's lobe choices.
+#ifndef PYLMC_INDEPENDENT
+#define PYLMC_INDEPENDENT
+
+#include "path/integrand.cl"
+
+int split_count(int length, int ending) { return ending == ENDING_HIT ? length + 1 : length; }
+
+// x_1 .. x_k, from the camera.
+bool draw_from_camera(Scene *scene, Path *path, int k, Rng *rng) {
+    for (int i = 1; i <= k; i++) {
+        real3 direction;
+        if (i == 1) {
+            direction = sample_camera(scene, rng);
+            if (!(camera_importance(scene, direction) > 0.0)) return false;
+        } else {
+            Vertex *from = &path->vertex[i - 1];
+            if (!lobe_sample(scene, from, -from->v, rng, &direction)) return false;
+        }
+        Vertex *vertex = &path->vertex[i];
+        if (!trace_to_vertex(scene, i == 1 ? 0 : &path->vertex[i - 1], direction, vertex)) return false;
+        vertex->lobe = choose_lobe(&scene->materials[vertex->material], rng);
+    }
+    return true;
+}
+
+// x_K .. x_{k+1}, from the light.
+bool draw_from_light(Scene *scene, Path *path, int k, Rng *rng) {
+    int length = path->length;
+    Vertex *last = &path->vertex[length];
+    if (path->ending == ENDING_CONNECT) {
+        path->light = sample_point_light(scene, rng);
+        last->x = vec3(scene->points[path->light].position);
+        last->ng = (real3)(0.0);
+    } else {
+        sample_emitter(scene, rng, last);
+    }
+    last->lobe = LOBE_DIFFUSE;
+    for (int j = length - 1; j > k; j--) {
+        Vertex *from = &path->vertex[j + 1], *vertex = &path->vertex[j];
+        real3 direction;
+        if (j == length - 1) direction = sample_emission(scene, path->ending == ENDING_HIT ? last : 0, last->x, rng);
+        else if (!lobe_sample(scene, from, path->vertex[j + 2].v, rng, &direction)) return false;
+        if (!trace_to_vertex(scene, from, direction, vertex)) return false;
+        from->v = -direction;  // segment j+1, as travelled from the camera
+        from->t = vertex->t;
+        vertex->lobe = choose_lobe(&scene->materials[vertex->material], rng);
+    }
+    return true;
+}
+
+// Which of a dielectric's two lobes the finished path uses at each node: the directions say.
+void settle_lobes(const Scene *scene, Path *path) {
+#if HAS_TRANSMIT
+    for (int i = 1; i < path->length; i++) {
+        Vertex *vertex = &path->vertex[i];
+        if (scene->materials[vertex->material].ior > 0.0 && vertex->lobe != LOBE_DIFFUSE)
+            vertex->lobe = dot(vertex->ng, path->vertex[i].v) * dot(vertex->ng, path->vertex[i + 1].v) > 0.0 ? LOBE_TRANSMIT : LOBE_DIELECTRIC_REFLECT;
+    }
+#endif
+}
+
+// Draw a path of the given length and ending; false where the draw came to nothing (its weight is zero).
+bool sample_path(Scene *scene, int length, int ending, Rng *rng, Path *path) {
+    path->length = length;
+    path->ending = ending;
+    path->light = 0;
+    int k = rng_index(rng, split_count(length, ending));
+    if (!draw_from_camera(scene, path, k, rng)) return false;
+    if (k < length) {
+        if (!draw_from_light(scene, path, k, rng)) return false;
+        Vertex *near = &path->vertex[k], *far = &path->vertex[k + 1];
+        real3 origin = k > 0 ? near->x : vec3(scene->camera->origin);
+        real3 normal = k > 0 ? near->ng : (real3)(0.0);
+        far->t = distance(far->x, origin);
+        if (!(far->t > 0.0)) return false;
+        far->v = (far->x - origin) / far->t;
+        if (k == 0 && !(camera_importance(scene, far->v) > 0.0)) return false;
+        settle_lobes(scene, path);
+        if (integrand(scene, path).log_i == LOG_ZERO) return false;
+        return visible(scene, origin, normal, far->x, far->ng);
+    }
+    settle_lobes(scene, path);
+    return integrand(scene, path).log_i != LOG_ZERO;
+}
+
+// log p_ind of any path.
+real log_independent_density(const Scene *scene, const Path *path) {
+    int length = path->length;
+    bool hit = path->ending == ENDING_HIT;
+    const Vertex *last = &path->vertex[length];
+    // log of the densities of all x_j, j > k, drawn from the light, as k goes from K down; and the lobe choices
+    real from_light[MAX_DEPTH + 1];
+    real log_choices = 0.0;
+    from_light[length] = 0.0;
+    for (int k = length - 1; k >= 0; k--) {
+        const Vertex *to = &path->vertex[k + 1];  // the node drawn here
+        real density;
+        if (k == length - 1) {
+            // solid angle at x_{K-1} where the last direction is free, else the light's probability
+            density = hit ? emitter_density(scene, last) * square(last->t) / fabs(dot(last->ng, last->v))
+                          : point_light_probability(scene, path->light);
+        } else {
+            const Vertex *from = &path->vertex[k + 2];
+            real3 direction = -from->v;
+            density = k == length - 2 ? emission_density(scene, hit ? last : 0, last->x, direction)
+                                      : lobe_density(scene, from, path->vertex[k + 3].v, direction);
+            // from solid angle at x_{k+2} to solid angle at x_k
+            density *= fabs(dot(to->ng, direction)) * square(to->t) / (square(from->t) * fabs(dot(to->ng, to->v)));
+            log_choices += log(choice_probability(&scene->materials[to->material], to->lobe));
+        }
+        from_light[k] = from_light[k + 1] + log(density);
+    }
+    // run up from the camera, adding the splits
+    int splits = split_count(length, path->ending);
+    real from_camera = 0.0, log_sum = LOG_ZERO;
+    for (int k = 0; k < splits; k++) {
+        if (k > 0) {
+            const Vertex *from = &path->vertex[k - 1];
+            real3 direction = path->vertex[k].v;
+            from_camera += log(k == 1 ? camera_density(scene, direction) : lobe_density(scene, from, -from->v, direction));
+        }
+        real term = from_camera + from_light[k];
+        if (term > LOG_ZERO) {
+            real high = fmax(log_sum, term), low = fmin(log_sum, term);
+            log_sum = high + log(1.0 + exp(low - high));
+        }
+    }
+    return log_sum - log((real)splits) + log_choices;
+}
+
+#endif

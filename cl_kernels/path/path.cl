@@ -1,0 +1,49 @@
+// A light path x_0 (camera), x_1 ... x_K and its nodes. K is the number of segments.
+//
+// connect: x_K is a point light; the directions v_1 .. v_{K-1} are free (theory.md, 1).
+// hit:     x_K lies on an emitter; v_1 .. v_K are free.
+#ifndef PYLMC_PATH
+#define PYLMC_PATH
+
+#include "surface/scene.cl"
+
+#define ENDING_CONNECT 0
+#define ENDING_HIT 1
+
+#define LOBE_DIFFUSE 0
+#define LOBE_REFLECT 1             // GGX reflection of a conductor
+#define LOBE_DIELECTRIC_REFLECT 2  // the reflected and the
+#define LOBE_TRANSMIT 3            // refracted part of a dielectric interface
+
+typedef struct {
+    real3 x;          // position
+    real3 v;          // unit direction of the segment that arrives here, as travelled from the camera
+    real3 ng;         // geometric normal (unit, as the mesh orients it)
+    real3 ns;         // shading normal (unit, on ng's side)
+    real3 tint;       // the material's texture here, or white
+    real t;           // length of the arriving segment
+    real bu, bv;      // barycentric coordinates of x
+    int triangle;
+    int material;
+    int lobe;          // the lobe of this path's signature at this node
+} Vertex;
+
+typedef struct {
+    Vertex vertex[MAX_DEPTH + 1];
+    int length;  // K
+    int ending;
+    int light;   // connect: which point light
+} Path;
+
+int free_directions(const Path *path) { return path->ending == ENDING_HIT ? path->length : path->length - 1; }
+
+// Does the node take part in scattering as a near-mirror? A property of its material and lobe alone.
+bool is_narrow(const Scene *scene, const Vertex *vertex) {
+#if HAS_NARROW
+    return vertex->lobe != LOBE_DIFFUSE && scene->materials[vertex->material].narrow;
+#else
+    return false;
+#endif
+}
+
+#endif

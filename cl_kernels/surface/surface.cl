@@ -1,0 +1,105 @@
+// From a ray's hit to a path's node: position, normals, material, texture; and visibility between two nodes.
+#ifndef PYLMC_SURFACE
+#define PYLMC_SURFACE
+
+#include "path/path.cl"
+
+#if HAS_TEXTURES
+real3 texel(const Scene *scene, __global const TextureInfo *texture, int column, int row) {
+    __global const float *rgb = scene->texels + 3 * (size_t)(texture->offset + row * texture->width + column);
+    return (real3)(rgb[0], rgb[1], rgb[2]);
+}
+
+// Bilinear, repeated; row 0 is the top of the image, v = 1.
+real3 texture_colour(const Scene *scene, int index, real2 uv) {
+    __global const TextureInfo *texture = &scene->textures[index];
+    real2 at = (real2)((uv.x - floor(uv.x)) * texture->width, (1.0 - (uv.y - floor(uv.y))) * texture->height) - 0.5;
+    real2 low = floor(at);
+    real2 weight = at - low;
+    int width = texture->width, height = texture->height;
+    int column = ((int)low.x + width) % width, row = ((int)low.y + height) % height;
+    int next_column = (column + 1) % width, next_row = (row + 1) % height;
+    real3 top = mix(texel(scene, texture, column, row), texel(scene, texture, next_column, row), weight.x);
+    real3 bottom = mix(texel(scene, texture, column, next_row), texel(scene, texture, next_column, next_row), weight.x);
+    return mix(top, bottom, weight.y);
+}
+#endif
+
+// Fill in all of the node that follows from its triangle and barycentric coordinates.
+void place_on_triangle(const Scene *scene, int triangle, real bu, real bv, Vertex *vertex) {
+    int i0 = scene->faces[3 * triangle], i1 = scene->faces[3 * triangle + 1], i2 = scene->faces[3 * triangle + 2];
+    real3 p0 = load3(scene->vertices, i0), p1 = load3(scene->vertices, i1), p2 = load3(scene->vertices, i2);
+    real bw = 1.0 - bu - bv;
+    __global const TriangleInfo *info = &scene->triangles[triangle];
+    vertex->triangle = triangle;
+    vertex->bu = bu;
+    vertex->bv = bv;
+    vertex->material = info->material;
+    vertex->x = bw * p0 + bu * p1 + bv * p2;
+    vertex->ng = vec3(info->normal);
+    vertex->ns = vertex->ng;
+#if HAS_SMOOTH
+    if (info->smooth) {
+        real3 n = bw * load3(scene->normals, i0) + bu * load3(scene->normals, i1) + bv * load3(scene->normals, i2);
+        real size2 = length2(n);
+        if (size2 > 0.0) vertex->ns = n * rsqrt(size2);
+        if (dot(vertex->ns, vertex->ng) < 0.0) vertex->ns = -vertex->ns;
+    }
+#endif
+    vertex->tint = (real3)(1.0);
+#if HAS_TEXTURES
+    int texture = scene->materials[info->material].texture;
+    if (texture >= 0) {
+        real2 uv = bw * vload2(i0, scene->uvs) + bu * vload2(i1, scene->uvs) + bv * vload2(i2, scene->uvs);
+        vertex->tint = texture_colour(scene, texture, uv);
+    }
+#endif
+}
+
+// A segment must leave and meet surfaces by more than the offset that keeps rays off them. Two points of one plane, joined,
+// would else see each other, or through each other's back, by rounding alone, at any 1 / r^2. A point without a surface has normal zero.
+bool leaves_surface(real3 normal, real3 segment) {
+    return fabs(dot(normal, segment)) > RAY_OFFSET || length2(normal) == 0.0;
+}
+
+// The tree says which triangle a ray meets, in the precision of the tree and from an origin moved off the surface. Where on
+// the triangle's plane is solved again from x itself, so that the node lies on the line from x along v as exactly as `real`
+// can say. Rays that graze the plane, where the two disagree by more than an edge's width, keep what the tree said.
+#define SOLVED_OUTSIDE 0.01
+void solve_triangle(const Scene *scene, int triangle, real3 x, real3 v, real *bu, real *bv) {
+    int i0 = scene->faces[3 * triangle], i1 = scene->faces[3 * triangle + 1], i2 = scene->faces[3 * triangle + 2];
+    real3 p0 = load3(scene->vertices, i0), e1 = load3(scene->vertices, i1) - p0, e2 = load3(scene->vertices, i2) - p0;
+    real3 normal = vec3(scene->triangles[triangle].normal);
+    real t = dot(p0 - x, normal) / dot(v, normal), area = dot(cross(e1, e2), normal);
+    real3 offset = x + t * v - p0;
+    real u = dot(cross(offset, e2), normal) / area, w = dot(cross(e1, offset), normal) / area;
+    if (t > 0.0 && u > -SOLVED_OUTSIDE && w > -SOLVED_OUTSIDE && u + w < 1.0 + SOLVED_OUTSIDE) {
+        *bu = u;
+        *bv = w;
+    }
+}
+
+// The node met by the ray from `from` (null: the camera) along v; v and t are those of the segment just traced.
+bool trace_to_vertex(Scene *scene, const Vertex *from, real3 v, Vertex *vertex) {
+    real3 x = from ? from->x : vec3(scene->camera->origin);
+    Hit hit;
+    if (!trace(scene, from ? offset_from_surface(x, from->ng, v) : x, v, &hit)) return false;
+    real bu = hit.u, bv = hit.v;
+    solve_triangle(scene, hit.triangle, x, v, &bu, &bv);
+    place_on_triangle(scene, hit.triangle, bu, bv, vertex);
+    vertex->v = v;
+    real3 segment = vertex->x - x;
+    vertex->t = length(segment);
+    return leaves_surface(vertex->ng, segment) && (!from || leaves_surface(from->ng, segment));
+}
+
+// Does anything block the segment from a to b? Either end may be a point without a surface (normal zero).
+bool visible(Scene *scene, real3 a, real3 normal_a, real3 b, real3 normal_b) {
+    real3 towards = b - a;
+    if (!leaves_surface(normal_a, towards) || !leaves_surface(normal_b, towards)) return false;
+    real3 from = offset_from_surface(a, normal_a, towards), to = offset_from_surface(b, normal_b, -towards);
+    scene->rays++;
+    return !any_hit(scene->nodes, scene->leaves, traced(from), traced(to - from), 1.0f);
+}
+
+#endif

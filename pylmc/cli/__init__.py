@@ -1,0 +1,5 @@
+"""The `pylmc` command."""
+
+from .commands import main
+
+__all__ = ["main"]

@@ -1,0 +1,1 @@
+"""Which constraints a scene has, and how they combine into the preconditioner."""

@@ -1,0 +1,1 @@
+"""OpenCL: devices, implementations, programs, number types."""

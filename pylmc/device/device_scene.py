@@ -1,0 +1,160 @@
+"""A compiled scene on a device: its buffers, and programs specialised to it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+import pyopencl as cl
+
+from ..errors import PylmcError
+from ..sampling import evenness
+from ..sampling.compiled import FIXED_ARRAYS, CompiledScene
+from ..settings import Settings
+from . import layout, program, structs
+from .precision import NAME_OF_REAL, on_device, real_fields
+from .survey import context_and_queue, select
+
+# Private memory of one work-item is several kilobytes; PoCL keeps a whole work-group's on a thread's stack.
+WORK_GROUP = 16
+
+# SCENE_PARAMETERS of cl_kernels/surface/scene.cl in order, and the struct that each is an array of (None: plain numbers).
+SCENE_ARGUMENTS: dict[str, str | None] = {
+    "nodes": None, "leaves": None, "vertices": None, "faces": None, "normals": None, "uvs": None,
+    "triangles": "TriangleInfo", "materials": "Material", "textures": "TextureInfo", "texels": None,
+    "objects": "SceneObject", "emitters": "Emitter", "emitter_cdf": None, "emitter_triangles": None,
+    "points": "PointLight", "apertures": "Aperture", "targets": "Target", "camera": "Camera", "evenness": None,
+}  # fmt: skip
+
+
+class DeviceScene:
+    """Uploads a compiled scene and builds kernels for it.
+
+    ``device`` is a ``pyopencl.Device``, a SPEC string or None (see :func:`pylmc.device.survey.select`). Raises PylmcError if
+    there is no such device or the scene does not fit into its memory.
+    """
+
+    def __init__(self, compiled: CompiledScene, settings: Settings, device: Any = None, precision: str = "single") -> None:
+        self.compiled, self.settings = compiled, settings
+        self.device = device if isinstance(device, cl.Device) else select(device)
+        self.precision = on_device(precision, self.device)
+        if settings.math == "native" and self.precision.real != "float":
+            raise PylmcError(f"math='native' has short functions for 32-bit floats only, and precision '{precision}' computes "
+                             f"in {NAME_OF_REAL[self.precision.real]}: use math='exact', or precision='single'")  # fmt: skip
+        if settings.math != "exact" and self.precision.real == "pair":
+            raise PylmcError(f"math='{settings.math}' would let the compiler cancel the low words of pairs of floats, which "
+                             f"precision '{precision}' computes in: use math='exact', or precision='single'")  # fmt: skip
+        self.context, self.queue = context_and_queue(self.device)
+        self.compile_seconds = 0.0
+        self._programs: dict[str, cl.Program] = {}
+        self._declarations: list[str] = []
+        self.dtypes: dict[str, np.dtype] = {}
+        for name, fields in layout.SCENE_STRUCTS.items():
+            self._declare(name, fields)
+        self._declare("ChainStart", layout.CHAIN_START)
+        # pyopencl knows a nested struct by one name and one set of fields: each number type needs its own
+        vertex_name = f"ChainVertex_{self.precision.real}"
+        vertex = self._declare(vertex_name, layout.CHAIN_VERTEX)
+        self._declarations.append(f"typedef {vertex_name} ChainVertex;")
+        self._declare("ChainState", layout.chain_state(settings.max_depth, vertex))
+        self._declare("ChainCounters", layout.chain_counters(settings.max_depth))
+        self.buffers = [self._upload_scene_array(name, struct) for name, struct in SCENE_ARGUMENTS.items()]
+
+    def _declare(self, name: str, fields: Any) -> np.dtype:
+        dtype, declaration = structs.declare(self.device, name, real_fields(fields, self.precision.device))
+        self.dtypes[name] = dtype
+        self._declarations.append(declaration)
+        return dtype
+
+    def _upload_scene_array(self, name: str, struct: str | None) -> cl.Buffer:
+        array = self.compiled.arrays[name]
+        if struct is not None:
+            return self.upload_struct(array, struct)
+        return self.upload(array if name in FIXED_ARRAYS else self.precision.to_device(array))
+
+    def upload(self, array: np.ndarray) -> cl.Buffer:
+        """A device buffer with the array's content; one byte or more even where it is empty."""
+        data = np.ascontiguousarray(array) if array.size else np.zeros(16, np.uint8)
+        self._check_size(data.nbytes)
+        return cl.Buffer(self.context, cl.mem_flags.READ_WRITE | cl.mem_flags.COPY_HOST_PTR, hostbuf=data)
+
+    def set_evenness(self, weights: np.ndarray) -> None:
+        """Give the target its weights over the film (see pylmc.sampling.evenness)."""
+        self.buffers[list(SCENE_ARGUMENTS).index("evenness")] = self.upload(weights)
+
+    def zeros(self, nbytes: int) -> cl.Buffer:
+        """A zero-filled device buffer."""
+        self._check_size(nbytes)
+        buffer = cl.Buffer(self.context, cl.mem_flags.READ_WRITE, max(nbytes, 16))
+        self.clear(buffer)
+        return buffer
+
+    def clear(self, buffer: cl.Buffer) -> None:
+        """Fill a buffer, whose size is a multiple of four bytes, with zeros."""
+        cl.enqueue_fill_buffer(self.queue, buffer, np.zeros(1, np.uint32), 0, buffer.size)
+
+    @contextmanager
+    def compiling(self) -> Iterator[None]:
+        """Count what happens here as compile time: some implementations compile for real at a kernel's first launch."""
+        start = time.perf_counter()
+        yield
+        self.queue.finish()
+        self.compile_seconds += time.perf_counter() - start
+
+    def _check_size(self, nbytes: int) -> None:
+        limit = self.device.max_mem_alloc_size
+        if nbytes > limit:
+            raise PylmcError(f"{self.device.name.strip()}: {nbytes / 2**20:.0f} MiB are needed in one piece, but it allows "
+                             f"{limit / 2**20:.0f}; use a smaller film (--size), fewer path lengths (--max-depth) or "
+                             "another device")  # fmt: skip
+
+    def kernel(self, source: str, name: str, **extra: Any) -> cl.Kernel:
+        """Kernel ``name`` of ``source``, specialised to the scene and settings; ``extra`` overrides constants."""
+        key = source + repr(sorted(extra.items()))
+        if key not in self._programs:
+            features = self.compiled.features
+            deviates = self.settings.coordinates == "deviation" or features["HAS_NARROW"]
+            defines = {**features, **self.settings.defines(), "HAS_DEVIATION": deviates,
+                       "EVENNESS_GRID": evenness.GRID, **extra}
+            with self.compiling():
+                self._programs[key] = program.build(self.context, source, defines=defines, structs=self._declarations,
+                                                     real=self.precision.real, math=self.settings.math)
+        return cl.Kernel(self._programs[key], name)
+
+    def launch(self, kernel: cl.Kernel, count: int, *arguments: Any) -> None:
+        """Enqueue ``kernel`` over ``count`` work-items: scene buffers first, then ``arguments``."""
+        size = -(-count // WORK_GROUP) * WORK_GROUP
+        kernel(self.queue, (size,), (WORK_GROUP,), *self.buffers, *arguments)
+
+    def read(self, buffer: cl.Buffer, dtype: Any, shape: Any) -> np.ndarray:
+        """Wait for the queue and copy a buffer to a new array."""
+        array = np.empty(shape, dtype)
+        cl.enqueue_copy(self.queue, array, buffer)
+        return array
+
+    def read_into(self, array: np.ndarray, buffer: cl.Buffer, offset: int) -> None:
+        """Wait for the queue and fill ``array`` from a buffer, ``offset`` bytes into it."""
+        cl.enqueue_copy(self.queue, array, buffer, src_offset=offset)
+
+    def read_struct(self, buffer: cl.Buffer, name: str, count: int) -> np.ndarray:
+        """The buffer's ``count`` structs of this name, their reals as the host's numbers."""
+        return self.precision.to_host(self.read(buffer, self.dtypes[name], count))
+
+    def upload_struct(self, array: np.ndarray, name: str) -> cl.Buffer:
+        """A device buffer of structs of this name with the array's content."""
+        return self.upload(self.precision.to_device(array).astype(self.dtypes[name]))
+
+    def upload_reals(self, array: Any) -> cl.Buffer:
+        """A device buffer of ``real`` with the array's numbers."""
+        return self.upload(self.precision.to_device(np.asarray(array, np.float64)))
+
+    def zero_reals(self, count: int) -> cl.Buffer:
+        """A device buffer of ``count`` zeros of type ``real``."""
+        return self.zeros(count * self.precision.device.itemsize)
+
+    def read_reals(self, buffer: cl.Buffer, shape: Any) -> np.ndarray:
+        """Wait for the queue and copy a buffer of ``real`` to a new array of the host's numbers."""
+        return self.precision.to_host(self.read(buffer, self.precision.device, shape))

@@ -1,0 +1,1 @@
+"""Pictures: in and out, how far apart, how wrong."""

@@ -1,0 +1,276 @@
+"""The scene as arrays for the device: triangles, materials, lights, and the constants that specialise the kernels.
+
+Positions are moved and scaled so that the scene's centre is the origin and its radius about one (the scale is a power
+of two, so that nothing is rounded by it), in float64, before they become float32; light is scaled so that its power is
+about one. A scene far from the origin, very small, very large, very bright or very dim therefore renders alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..constraints.plan import NARROW_ALPHA, ConstraintPlan, plan_constraints, roughness
+from ..device import layout
+from ..device.precision import nominal, real_fields
+from ..errors import PylmcError
+from ..geometry import bvh
+from ..geometry.objects import SceneObject, find_objects
+from ..picture.statistics import LUMINANCE
+from ..scene import (
+    Diffuse,
+    Material,
+    MetallicRoughness,
+    RoughConductor,
+    RoughDielectric,
+    Scene,
+    Shape,
+    Texture,
+)
+from .evenness import GRID
+
+
+@dataclass(frozen=True, eq=False)
+class CompiledScene:
+    """Arrays by name (see SCENE_PARAMETERS in cl_kernels/surface/scene.cl), kernel constants, and what undoes the scaling.
+
+    ``radiance_scale``: multiply a rendered radiance by this to return to the scene's units. ``plan`` lists the
+    constraints; ``features`` the kernel constants; ``endings`` which of connect (0) and hit (1) the scene has.
+    """
+
+    arrays: dict[str, np.ndarray]
+    features: dict[str, Any]
+    plan: ConstraintPlan
+    objects: tuple[SceneObject, ...]
+    endings: tuple[int, ...]
+    centre: np.ndarray
+    scale: float
+    radiance_scale: float
+
+
+def power_of_two(value: float) -> float:
+    """The power of two nearest to a positive number, from below."""
+    return float(2.0 ** np.floor(np.log2(value)))
+
+
+# Arrays that keep the type they were made with: the tree's and those that are single precision by nature.
+FIXED_ARRAYS = ("nodes", "leaves", "texels", "evenness")
+
+
+def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
+    """Everything the kernels need of ``scene``, with reals rounded as ``precision`` holds them (see pylmc.device.precision).
+
+    Raises PylmcError for what the number type or the kernels cannot hold.
+    """
+    kind = nominal(precision)
+    vertices = np.concatenate([np.asarray(shape.mesh.vertices, dtype=np.float64) for shape in scene.shapes])
+    counts = [len(shape.mesh.vertices) for shape in scene.shapes]
+    starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    faces = np.concatenate([np.asarray(shape.mesh.faces) + start for shape, start in zip(scene.shapes, starts, strict=True)])
+    shape_of = np.repeat(np.arange(len(scene.shapes)), [len(shape.mesh.faces) for shape in scene.shapes])
+
+    used = vertices[np.unique(faces)]
+    low, high = used.min(axis=0), used.max(axis=0)
+    centre, radius = (low + high) / 2, float(np.linalg.norm(high - low) / 2)
+    if not radius > 0 or not np.isfinite(radius):
+        raise PylmcError("Scene: all vertices coincide; there is nothing to see")
+    scale = power_of_two(radius)
+    vertices = (vertices - centre) / scale
+
+    objects, object_of = find_objects(scene.shapes)
+    plan = plan_constraints(scene, objects, radius)
+    corners = vertices[faces]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    doubled = np.linalg.norm(cross, axis=1)
+    geometric = np.where(doubled[:, None] > 0, cross / np.where(doubled > 0, doubled, 1)[:, None], [0.0, 0.0, 1.0])
+
+    materials, material_of_shape, textures = _materials(scene.shapes)
+    smooth = np.array([shape.vertex_normals() is not None for shape in scene.shapes])
+    lights = _lights(scene, doubled / 2, shape_of, centre, scale)
+    triangles = np.zeros(len(faces), layout.TRIANGLE_INFO)
+    triangles["normal"] = geometric
+    triangles["material"] = material_of_shape[shape_of]
+    triangles["object"] = object_of
+    triangles["emitter"] = lights["emitter_of_shape"][shape_of]
+    triangles["smooth"] = smooth[shape_of]
+
+    tree = bvh.build(vertices, faces.astype(np.int32), dtype=kind.trace_dtype)
+    arrays = {
+        "nodes": tree.nodes, "leaves": tree.leaves, "vertices": vertices,
+        "faces": faces.astype(np.int32), "normals": _per_vertex(scene.shapes, counts, 3, Shape.vertex_normals),
+        "uvs": _per_vertex(scene.shapes, counts, 2, lambda shape: shape.uv if shape.textured else None),
+        "triangles": triangles, "materials": materials, **textures, "objects": _objects(objects, plan, scale),
+        "emitters": lights["emitters"], "emitter_cdf": lights["emitter_cdf"],
+        "emitter_triangles": lights["emitter_triangles"], "points": lights["points"],
+        "apertures": _apertures(plan, centre, scale), "targets": _targets(plan, objects, centre, scale),
+        "camera": _camera(scene, centre, scale), "evenness": np.ones((GRID, GRID), np.float32),
+    }  # fmt: skip
+    for name in arrays.keys() - set(FIXED_ARRAYS):
+        arrays[name] = arrays[name].astype(real_fields(arrays[name].dtype, kind.host), copy=False)
+    kinds = [shape.material for shape in scene.shapes]
+    glossy = [alpha for alpha in map(roughness, kinds) if alpha is not None]
+    features = tree.defines() | {
+        "HAS_POINTS": len(scene.lights) > 0, "HAS_EMITTERS": len(lights["emitter_triangles"]) > 0,
+        "NUM_POINTS": len(scene.lights), "NUM_EMITTER_TRIANGLES": len(lights["emitter_triangles"]),
+        "NUM_APERTURES": len(plan.apertures), "NUM_TARGETS": len(plan.apertures) + len(plan.aimed_objects),
+        "HAS_DIFFUSE": any(isinstance(kind, Diffuse | MetallicRoughness) for kind in kinds),
+        "HAS_GLOSSY": bool(glossy), "HAS_TRANSMIT": any(isinstance(kind, RoughDielectric) for kind in kinds),
+        "HAS_NARROW": any(alpha < NARROW_ALPHA for alpha in glossy), "HAS_SMOOTH": bool(smooth.any()),
+        "HAS_TEXTURES": len(textures["textures"]) > 0, "HAS_SMALL_OBJECTS": plan.small_objects > 0,
+    }  # fmt: skip
+    endings = tuple(e for e, has in enumerate((features["HAS_POINTS"], features["HAS_EMITTERS"])) if has)
+    return CompiledScene(arrays, features, plan, tuple(objects), endings, centre, scale, lights["radiance_scale"])
+
+
+def _per_vertex(shapes: Sequence[Shape], counts: list[int], width: int, get: Any) -> np.ndarray:
+    """A vertex attribute over all shapes, zero where a shape has none; empty where none has it."""
+    values = [get(shape) for shape in shapes]
+    if all(value is None for value in values):
+        return np.zeros((0, width))
+    filled = [np.zeros((n, width)) if value is None else value for value, n in zip(values, counts, strict=True)]
+    return np.ascontiguousarray(np.concatenate(filled), dtype=np.float64)
+
+
+def _material_record(material: Material, textures: list[Texture]) -> np.ndarray:
+    record = np.zeros((), layout.MATERIAL)
+    record["texture"] = -1
+    record["alpha"] = roughness(material) or 0
+    record["narrow"] = 0 < record["alpha"] < NARROW_ALPHA
+    if isinstance(material, RoughConductor | RoughDielectric):
+        record["separable"] = material.masking == "separable"
+    if isinstance(material, RoughConductor):
+        record["specular"] = material.reflectance
+        return record
+    if isinstance(material, RoughDielectric):
+        record["ior"] = material.ior
+        return record
+    colour = material.reflectance if isinstance(material, Diffuse) else material.base_color
+    if isinstance(colour, Texture):
+        record["texture"] = next((i for i, t in enumerate(textures) if t is colour), len(textures))
+        if record["texture"] == len(textures):
+            textures.append(colour)
+        factor, mean = np.ones(3), np.array(colour.mean())
+    else:
+        factor = mean = np.array(colour)
+    if isinstance(material, Diffuse):
+        record["diffuse"] = factor
+        record["choose_diffuse"] = 1
+        return record
+    metallic = material.metallic
+    # what the dielectric coat reflects at normal incidence does not reach the diffuse base
+    record["diffuse"] = factor * (1 - metallic) * (1 - 0.04)
+    record["specular"] = 0.04 * (1 - metallic)
+    record["specular_tinted"] = factor * metallic
+    record["schlick"] = 1
+    diffuse_power = float(mean @ LUMINANCE) * (1 - metallic)
+    # Schlick's Fresnel term grows towards grazing: leave the specular lobe a share even where F0 is small
+    specular_power = 0.1 + 0.04 * (1 - metallic) + float(mean @ LUMINANCE) * metallic
+    record["choose_diffuse"] = diffuse_power / (diffuse_power + specular_power)
+    return record
+
+
+def _materials(shapes: Sequence[Shape]) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
+    """Material records, each shape's index into them, and the textures they use."""
+    textures: list[Texture] = []
+    index_of: dict[int, int] = {}
+    records: list[np.ndarray] = []
+    for shape in shapes:
+        if id(shape.material) not in index_of:
+            index_of[id(shape.material)] = len(records)
+            records.append(_material_record(shape.material, textures))
+    info = np.zeros(len(textures), layout.TEXTURE_INFO)
+    offset = 0
+    for entry, texture in zip(info, textures, strict=True):
+        entry["height"], entry["width"] = texture.pixels.shape[:2]
+        entry["offset"] = offset
+        offset += entry["height"] * entry["width"]
+    texels = [texture.pixels.reshape(-1, 3) for texture in textures]
+    pixels = np.concatenate(texels) if texels else np.zeros((0, 3), np.float32)
+    of_shape = np.array([index_of[id(shape.material)] for shape in shapes])
+    return np.stack(records), of_shape, {"textures": info, "texels": pixels}
+
+
+def _lights(scene: Scene, areas: np.ndarray, shape_of: np.ndarray, centre: np.ndarray, scale: float) -> dict[str, Any]:
+    """Point lights and emitting triangles, with light scaled to a total of about one."""
+    areas = areas.astype(np.float64)
+    radiances = np.array([shape.emission or (0.0, 0.0, 0.0) for shape in scene.shapes])
+    intensities = np.array([light.intensity for light in scene.lights]).reshape(-1, 3)
+    point_power = intensities @ LUMINANCE / scale**2  # radiance at unit distance, in the scaled scene
+    triangle_power = areas * (radiances @ LUMINANCE)[shape_of]
+    total = float(point_power.sum() + triangle_power.sum())
+    if not total > 0:
+        raise PylmcError("Scene: its lights have no power or no area; enlarge the emitting shapes or add a PointLight")
+    exposure = 1 / power_of_two(total)
+
+    points = np.zeros(len(scene.lights), layout.POINT_LIGHT)
+    if len(points):
+        points["position"] = (np.array([light.position for light in scene.lights]) - centre) / scale
+        points["intensity"] = intensities / scale**2 * exposure
+        points["cumulative"] = np.cumsum(_shares(point_power))
+    emitting = np.flatnonzero(triangle_power > 0)
+    emitter_of_shape = np.full(len(scene.shapes), -1)
+    shining = np.unique(shape_of[emitting])
+    emitter_of_shape[shining] = np.arange(len(shining))
+    emitters = np.zeros(len(shining), layout.EMITTER)
+    emitters["radiance"] = radiances[shining] * exposure
+    # a shape by its share, a triangle of it by area: the density per area is the same all over a shape
+    shape_areas = np.bincount(shape_of[emitting], weights=areas[emitting], minlength=len(scene.shapes))[shining]
+    shape_power = np.bincount(shape_of[emitting], weights=triangle_power[emitting], minlength=len(scene.shapes))[shining]
+    density = _shares(shape_power) / shape_areas
+    emitters["density"] = density
+    cdf = np.cumsum(areas[emitting] * density[emitter_of_shape[shape_of[emitting]]])
+    return {
+        "points": points, "emitters": emitters, "emitter_cdf": cdf,
+        "emitter_triangles": emitting.astype(np.int32), "emitter_of_shape": emitter_of_shape,
+        "radiance_scale": 1 / exposure,
+    }  # fmt: skip
+
+
+def _shares(power: np.ndarray) -> np.ndarray:
+    """Each light's probability: half by power, half alike, for the brightest lamp may be one that nobody sees."""
+    return (power / power.sum() + 1 / len(power)) / 2 if len(power) else power
+
+
+def _camera(scene: Scene, centre: np.ndarray, scale: float) -> np.ndarray:
+    camera = scene.camera
+    record = np.zeros(1, layout.CAMERA)
+    record["origin"] = (camera.origin - centre) / scale
+    record["right"], record["up"], record["forward"] = camera.axes()
+    tan_y = np.tan(np.radians(camera.fov) / 2)
+    record["tan_y"], record["tan_x"] = tan_y, tan_y * camera.width / camera.height
+    record["bound"] = min(1.0, float(record["tan_x"][0]), float(record["tan_y"][0]))
+    record["width"], record["height"] = camera.width, camera.height
+    return record
+
+
+def _objects(objects: Sequence[SceneObject], plan: ConstraintPlan, scale: float) -> np.ndarray:
+    records = np.zeros(len(objects), layout.SCENE_OBJECT)
+    for record, item, weights in zip(records, objects, plan.object_weights, strict=True):
+        record["axes"] = np.asarray(item.axes).ravel()
+        record["inverse_half"] = weights * scale
+        record["small"] = bool(np.any(weights > 0))
+    return records
+
+
+def _apertures(plan: ConstraintPlan, centre: np.ndarray, scale: float) -> np.ndarray:
+    records = np.zeros(len(plan.apertures), layout.APERTURE)
+    for record, aperture in zip(records, plan.apertures, strict=True):
+        record["centre"] = (aperture.centre - centre) / scale
+        record["normal"], record["axis"] = aperture.normal, aperture.axis
+        record["half_size"] = np.array(aperture.half_size) / scale
+    return records
+
+
+def _targets(plan: ConstraintPlan, objects: Sequence[SceneObject], centre: np.ndarray, scale: float) -> np.ndarray:
+    holes = _apertures(plan, centre, scale)
+    records = np.zeros(len(holes) + len(plan.aimed_objects), layout.TARGET)
+    for name in ("centre", "normal", "axis", "half_size"):
+        records[name][: len(holes)] = holes[name]
+    for record, index in zip(records[len(holes) :], plan.aimed_objects, strict=True):
+        record["centre"] = (objects[index].centre - centre) / scale
+        record["half_size"] = objects[index].bounding_radius / scale
+        record["sphere"] = 1
+    return records

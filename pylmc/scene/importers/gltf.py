@@ -1,0 +1,229 @@
+"""glTF 2.0 and GLB files as scenes.
+
+Read: triangles with their node transforms, normals and texture coordinates, metallic-roughness materials with a base
+colour texture, emission, the first perspective camera, point lights. Each of the other textures is averaged to one
+factor; alpha, vertex colours, normal maps, occlusion, skins and animations are ignored.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+
+from ...errors import PylmcError
+from .. import Camera, PointLight, Scene, Shape
+from ..framing import frame, light_quads
+from .gltf_data import GltfData
+from .gltf_materials import GltfMaterials
+
+KNOWN_EXTENSIONS = {
+    "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_mesh_quantization", "KHR_texture_transform",
+}  # fmt: skip
+TRIANGLES, STRIP, FAN = 4, 5, 6
+
+
+def load_gltf(
+    path: str | Path, *, auto_camera: bool = False, auto_light: bool = False, width: int = 256, height: int = 256
+) -> Scene:
+    """The scene in a glTF 2.0 or GLB file, on a film of ``width`` × ``height`` pixels.
+
+    ``auto_camera`` frames everything if the file has no perspective camera, ``auto_light`` lights it if the file has
+    no point light and nothing that emits. Raises PylmcError, naming the file and what to do, where the file is
+    unreadable, malformed, asks for an unsupported extension, or lacks a camera or light that was not asked for.
+    """
+    path = Path(path)
+    try:
+        return _Importer(GltfData(path)).scene(auto_camera, auto_light, width, height)
+    except PylmcError as error:
+        raise PylmcError(f"{path}: {error}") from None
+    except OSError as error:
+        raise PylmcError(f"{path}: cannot be read ({error.strerror or error}); check the path") from None
+    except (KeyError, IndexError, TypeError, ValueError, AttributeError, OverflowError, RecursionError, MemoryError,
+            struct.error) as error:  # fmt: skip
+        detail = f"{type(error).__name__}: {error}"
+        raise PylmcError(f"{path}: malformed glTF ({detail}); validate or export the file again") from None
+
+
+class _Importer:
+    """One document on its way to a scene."""
+
+    def __init__(self, data: GltfData) -> None:
+        self.data = data
+        unknown = sorted(set(data.items("extensionsRequired")) - KNOWN_EXTENSIONS)
+        if unknown:
+            raise PylmcError(f"requires {', '.join(unknown)}, which is not supported; export the file without it")
+        self.shapes: list[Shape] = []
+        self.lights: list[PointLight] = []
+        self.cameras: list[tuple[dict[str, Any], np.ndarray]] = []
+        self.ignored: set[str] = set()
+        self.materials = GltfMaterials(data)
+
+    def scene(self, auto_camera: bool, auto_light: bool, width: int, height: int) -> Scene:
+        for node in self._roots():
+            self._visit(node, np.eye(4), ())
+        if not self.shapes:
+            raise PylmcError("no triangles in the scene; export the meshes with it")
+        if self.cameras:
+            camera = self._camera(*self.cameras[0], width, height)
+        elif auto_camera:
+            camera = frame(self.shapes, width, height)
+        else:
+            raise PylmcError("has no perspective camera; add one, or use --auto-camera (auto_camera=True)")
+        if not self.lights and not any(shape.emission for shape in self.shapes):
+            if not auto_light:
+                extra = f" (its {' and '.join(sorted(self.ignored))} lights are not supported)" if self.ignored else ""
+                raise PylmcError(f"has no light{extra}; add a point light, or use --auto-light (auto_light=True)")
+            self.shapes += light_quads(self.shapes, camera)
+        return Scene(camera, self.shapes, self.lights)
+
+    def _roots(self) -> list[Any]:
+        scenes = self.data.items("scenes")
+        if scenes:
+            return list(self.data.item("scenes", self.data.document.get("scene", 0)).get("nodes", []))
+        children = {child for node in self.data.items("nodes") for child in node.get("children", [])}
+        return [index for index in range(len(self.data.items("nodes"))) if index not in children]
+
+    def _visit(self, index: Any, parent: np.ndarray, above: tuple[int, ...]) -> None:
+        """Everything at a node and below; ``above`` are its ancestors, among which it must not be."""
+        if index in above:
+            raise PylmcError(f"node {index} is its own ancestor; export the file again")
+        node = self.data.item("nodes", index)
+        transform = parent @ _local_transform(node)
+        if not np.all(np.isfinite(transform)):
+            raise PylmcError(f"node {index} has a transform with NaN or infinite values; export the file again")
+        if "mesh" in node:
+            mesh = self.data.item("meshes", node["mesh"])
+            name = str(node.get("name") or mesh.get("name") or f"node {index}")
+            for number, primitive in enumerate(mesh["primitives"]):
+                self._primitive(primitive, transform, f"{name}/{number}")
+        if "camera" in node:
+            camera = self.data.item("cameras", node["camera"])
+            if camera.get("type") == "perspective":
+                self.cameras.append((camera["perspective"], transform))
+        punctual = node.get("extensions", {}).get("KHR_lights_punctual")
+        if punctual is not None:
+            self._light(punctual["light"], transform)
+        for child in node.get("children", []):
+            self._visit(child, transform, (*above, index))
+
+    def _camera(self, perspective: dict[str, Any], transform: np.ndarray, width: int, height: int) -> Camera:
+        """glTF cameras look along their node's -z, with +y up."""
+        origin, forward, up = transform[:3, 3], -transform[:3, 2], transform[:3, 1]
+        forward = forward / max(float(np.linalg.norm(forward)), np.finfo(float).tiny)
+        low, high = _bounds(self.shapes)
+        reach = max(float(np.linalg.norm((low + high) / 2 - origin)), float(np.linalg.norm(high - low)), 1e-9)
+        return Camera(origin, origin + reach * forward, up, math.degrees(perspective["yfov"]), width, height)
+
+    def _light(self, index: Any, transform: np.ndarray) -> None:
+        lights = self.data.document.get("extensions", {}).get("KHR_lights_punctual", {}).get("lights", [])
+        if not isinstance(index, int) or not 0 <= index < len(lights):
+            raise PylmcError(f"a node names light {index!r}, which is not there; export the file again")
+        light = lights[index]
+        if light["type"] != "point":
+            self.ignored.add(str(light["type"]))
+            return
+        intensity = np.asarray(light.get("color", (1, 1, 1)), dtype=np.float64) * float(light.get("intensity", 1.0))
+        if np.any(intensity != 0):
+            self.lights.append(PointLight(transform[:3, 3], intensity))
+
+    def _primitive(self, primitive: dict[str, Any], transform: np.ndarray, name: str) -> None:
+        attributes = primitive["attributes"]
+        mode = primitive.get("mode", TRIANGLES)
+        if mode not in (TRIANGLES, STRIP, FAN) or "POSITION" not in attributes:
+            return  # points and lines reflect nothing
+        vertices = self.data.accessor(attributes["POSITION"]).astype(np.float64)
+        order = np.arange(len(vertices)) if (at := primitive.get("indices")) is None else self.data.accessor(at)[:, 0]
+        if len(order) and not 0 <= order.min() <= order.max() < len(vertices):
+            raise PylmcError(f"'{name}' indexes vertex {order.max()} of {len(vertices)}; export the file again")
+        faces = _triangles(order, mode)
+
+        linear = transform[:3, :3]
+        cofactors = np.cross(linear[[1, 2, 0]], linear[[2, 0, 1]])
+        mirrored = float(np.sum(linear[0] * cofactors[0])) < 0
+        if mirrored:
+            faces = faces[:, ::-1]
+        vertices = vertices @ linear.T + transform[:3, 3]
+        corners = vertices[faces]
+        flat = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) == 0
+        faces = faces[~flat]
+        if len(faces) == 0:
+            return
+        normals = None
+        if "NORMAL" in attributes:
+            normals = self.data.accessor(attributes["NORMAL"]) @ (-cofactors if mirrored else cofactors).T
+            normals = _repaired(normals, vertices, faces)
+
+        material, emission, lookup = self.materials.read(primitive.get("material"))
+        visual = None
+        if lookup is not None:
+            uv = self._texture_coordinates(attributes, lookup, len(vertices), name)
+            visual = trimesh.visual.TextureVisuals(uv=uv)
+        mesh = trimesh.Trimesh(vertices, faces, vertex_normals=normals, visual=visual, process=False)
+        self.shapes.append(Shape(mesh, material, emission, name, smooth=normals is not None))
+
+    def _texture_coordinates(self, attributes: dict, lookup: dict, count: int, name: str) -> np.ndarray:
+        """Coordinates (vertices, 2) with v upwards; glTF counts it downwards."""
+        transform = lookup.get("extensions", {}).get("KHR_texture_transform", {})
+        key = f"TEXCOORD_{transform.get('texCoord', lookup.get('texCoord', 0))}"
+        if key not in attributes:
+            return np.zeros((count, 2))  # as glTF viewers do: the texture's first pixel
+        uv = self.data.accessor(attributes[key]).astype(np.float64)
+        if uv.shape != (count, 2):
+            raise PylmcError(f"'{name}' has {len(uv)} texture coordinates for {count} vertices; export the file again")
+        turn = float(transform.get("rotation", 0.0))
+        uv = uv * np.asarray(transform.get("scale", (1, 1)), dtype=np.float64)
+        uv = uv @ np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
+        uv = uv + np.asarray(transform.get("offset", (0, 0)), dtype=np.float64)
+        return np.column_stack([uv[:, 0], 1.0 - uv[:, 1]])
+
+
+def _bounds(shapes: list[Shape]) -> tuple[np.ndarray, np.ndarray]:
+    corners = np.concatenate([shape.mesh.bounds for shape in shapes])
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+def _triangles(order: np.ndarray, mode: int) -> np.ndarray:
+    """Vertex triples (faces, 3) of a list, strip or fan."""
+    if mode == TRIANGLES:
+        return order[: len(order) // 3 * 3].reshape(-1, 3)
+    count = max(len(order) - 2, 0)
+    k = np.arange(count)
+    if mode == FAN:
+        return np.column_stack([np.repeat(order[:1], count), order[k + 1], order[k + 2]])
+    odd = k % 2
+    return np.column_stack([order[k], order[k + 1 + odd], order[k + 2 - odd]])
+
+
+def _repaired(normals: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Unit normals (vertices, 3); those without a length get the mean of their faces'."""
+    if normals.shape != vertices.shape:
+        raise PylmcError(f"{len(normals)} normals for {len(vertices)} vertices; export the file again")
+    length = np.linalg.norm(normals, axis=1)
+    bad = ~(np.isfinite(length) & (length > 0))
+    if bad.any():
+        normals = np.where(bad[:, None], trimesh.Trimesh(vertices, faces, process=False).vertex_normals, normals)
+        length = np.linalg.norm(normals, axis=1)
+    return np.where(length[:, None] > 0, normals / np.where(length > 0, length, 1.0)[:, None], (0.0, 0.0, 1.0))
+
+
+def _local_transform(node: dict[str, Any]) -> np.ndarray:
+    """A node's matrix (4, 4), given whole (by columns) or as translation, rotation (x, y, z, w) and scale."""
+    if "matrix" in node:
+        return np.asarray(node["matrix"], dtype=np.float64).reshape(4, 4).T
+    matrix = np.eye(4)
+    x, y, z, w = np.asarray(node.get("rotation", (0, 0, 0, 1)), dtype=np.float64)
+    norm = x * x + y * y + z * z + w * w
+    s = 2 / norm if norm > 0 else 0.0
+    matrix[:3, :3] = np.eye(3) + s * np.array([
+        [-(y * y + z * z), x * y - z * w, x * z + y * w],
+        [x * y + z * w, -(x * x + z * z), y * z - x * w],
+        [x * z - y * w, y * z + x * w, -(x * x + y * y)],
+    ])  # fmt: skip
+    matrix[:3, :3] *= np.asarray(node.get("scale", (1, 1, 1)), dtype=np.float64)
+    matrix[:3, 3] = np.asarray(node.get("translation", (0, 0, 0)), dtype=np.float64)
+    return matrix

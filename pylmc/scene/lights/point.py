@@ -1,0 +1,24 @@
+"""Point lights."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from ...errors import PylmcError
+from ..values import RGB, as_point, as_rgb
+
+
+@dataclass(frozen=True, eq=False)
+class PointLight:
+    """A point that sends ``intensity`` (RGB, power per steradian) in every direction from ``position``."""
+
+    position: Any
+    intensity: Any = 1.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "position", as_point(self.position, "PointLight.position"))
+        intensity: RGB = as_rgb(self.intensity, "PointLight.intensity")
+        if max(intensity) <= 0:
+            raise PylmcError("PointLight.intensity is zero: remove the light or give it power")
+        object.__setattr__(self, "intensity", intensity)

@@ -1,0 +1,20 @@
+"""Diffuse surfaces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from ..texture import Texture
+from ..values import as_rgb
+
+
+@dataclass(frozen=True)
+class Diffuse:
+    """Lambertian reflection on both sides: f = reflectance / pi. Its reference direction is the normal."""
+
+    reflectance: Any = 0.5
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.reflectance, Texture):
+            object.__setattr__(self, "reflectance", as_rgb(self.reflectance, "Diffuse.reflectance", 1.0))

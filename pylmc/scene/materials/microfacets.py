@@ -1,0 +1,22 @@
+"""What materials with microfacets have in common: their parameters, checked."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...errors import PylmcError
+
+
+def check_alpha(alpha: Any, what: str) -> float:
+    try:
+        alpha = float(alpha)
+    except (TypeError, ValueError):
+        raise PylmcError(f"{what}: roughness {alpha!r} is not a number") from None
+    if not 0 < alpha <= 1:
+        raise PylmcError(f"{what}: roughness alpha={alpha:g} must lie in (0, 1]; for a near-mirror try 1e-3")
+    return alpha
+
+
+def check_masking(masking: Any, what: str) -> None:
+    if masking not in ("height-correlated", "separable"):
+        raise PylmcError(f"{what}: masking {masking!r} is unknown; use 'height-correlated' or 'separable'")

@@ -1,0 +1,34 @@
+"""Rough interfaces between transparent media."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...errors import PylmcError
+from .microfacets import check_alpha, check_masking
+
+
+@dataclass(frozen=True)
+class RoughDielectric:
+    """GGX interface (Walter et al. 2007) between outside and a medium of relative index ``ior`` inside.
+
+    Reflects and refracts; radiance carries the 1/eta^2 of the solid-angle compression, as seen from the camera.
+    ``masking`` as for RoughConductor.
+    """
+
+    alpha: float = 0.1
+    ior: float = 1.5
+    masking: str = "height-correlated"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "alpha", check_alpha(self.alpha, "RoughDielectric"))
+        check_masking(self.masking, "RoughDielectric")
+        try:
+            ior = float(self.ior)
+        except (TypeError, ValueError):
+            raise PylmcError(f"RoughDielectric: ior {self.ior!r} is not a number") from None
+        if not (np.isfinite(ior) and ior > 0 and abs(ior - 1) > 1e-3):
+            raise PylmcError(f"RoughDielectric: ior={ior:g} must be positive and differ from 1 (glass: 1.5)")
+        object.__setattr__(self, "ior", ior)

@@ -1,0 +1,49 @@
+"""Numbers that a person gives: points, colours, lists of things; each checked, or refused by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from ..errors import PylmcError
+
+RGB = tuple[float, float, float]
+BRIGHTEST = 1e36  # light in the scene's units; pictures are float32
+MAX_COORDINATE = 1e15  # beyond it nothing is left of a scene after its centre is subtracted
+
+
+def as_point(value: Any, what: str) -> np.ndarray:
+    """Three finite numbers as a float64 array, or a PylmcError naming ``what``."""
+    try:
+        point = np.asarray(value, dtype=np.float64).reshape(-1)
+    except (TypeError, ValueError):
+        raise PylmcError(f"{what}: {value!r} is not a point; give three numbers") from None
+    if point.shape != (3,) or not np.all(np.abs(point) <= MAX_COORDINATE):
+        raise PylmcError(f"{what}: {value!r} is not a point; give three numbers, none beyond {MAX_COORDINATE:g}")
+    return point
+
+
+def as_list(value: Any, what: str, kind: type) -> tuple[Any, ...]:
+    """A sequence whose every element is a ``kind``, as a tuple; raises PylmcError naming ``what``."""
+    if isinstance(value, str) or not isinstance(value, Iterable):
+        raise PylmcError(f"{what} is a {type(value).__name__}; give a list of {kind.__name__}")
+    items = tuple(value)
+    for index, item in enumerate(items):
+        if not isinstance(item, kind):
+            raise PylmcError(f"{what}[{index}] is a {type(item).__name__}, not {kind.__name__}")
+    return items
+
+
+def as_rgb(value: Any, what: str, upper: float | None = None) -> RGB:
+    """A grey level or three numbers as linear RGB; raises PylmcError naming ``what`` if that cannot be."""
+    try:
+        rgb = np.broadcast_to(np.asarray(value, dtype=np.float64), 3)
+    except (TypeError, ValueError):
+        raise PylmcError(f"{what}: {value!r} is not a colour; give one number or three (linear RGB)") from None
+    if not np.all((rgb >= 0) & (rgb <= BRIGHTEST)):
+        raise PylmcError(f"{what}: {value!r} must lie between 0 and {BRIGHTEST:g}")
+    if upper is not None and np.any(rgb > upper):
+        raise PylmcError(f"{what}: {value!r} exceeds {upper:g}; a surface cannot reflect more light than it receives")
+    return (float(rgb[0]), float(rgb[1]), float(rgb[2]))

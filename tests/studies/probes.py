@@ -1,0 +1,67 @@
+"""What several test modules share: kernels of the tests' own, edited kernels, and a scene that uses textures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+import pyopencl as cl
+import trimesh
+
+from pylmc.device import program
+from pylmc.device.device_scene import DeviceScene
+from pylmc.scene import Camera, Diffuse, MetallicRoughness, PointLight, Scene, Shape, Texture
+
+
+def build_probe(device: DeviceScene, text: str, name: str, **extra: Any) -> cl.Kernel:
+    """Kernel ``name`` of the source ``text``, whose ``#include`` lines find the package's kernels."""
+    lines: list[str] = []
+    program._expand("probe.cl", text, set(), lines)
+    # a device scene keeps its programs by name: the text must take part in it
+    probe, original = f"probe {hash(text)}", program.source
+    with patch.object(program, "source", lambda wanted: "\n".join(lines) + "\n" if wanted == probe else original(wanted)):
+        return device.kernel(probe, name, **extra)
+
+
+NUMBER_TYPES = ("number/real.cl", "number/float_float.cl")  # come before every kernel source, and are never edited
+
+
+@contextmanager
+def edited_source(edits: Mapping[str, str]) -> Iterator[None]:
+    """Kernels are built with pieces of their source replaced; each piece must be there."""
+    original = program.source
+
+    def source(name: str) -> str:
+        text = original(name)
+        if name in NUMBER_TYPES:
+            return text
+        for old, new in edits.items():
+            assert old in text, f"{name} no longer holds {old!r}"
+            text = text.replace(old, new)
+        return text
+
+    with patch.object(program, "source", source):
+        yield
+
+
+def textured_scene() -> Scene:
+    """A checkered floor of two lobes (diffuse and GGX) before a wall, with a panel and a point light: both endings."""
+    rng = np.random.default_rng(0)
+    checks = np.kron(np.indices((4, 4)).sum(axis=0) % 2, np.ones((2, 2)))[..., None]
+    pixels = 0.2 + 0.6 * checks * np.array([1.0, 0.7, 0.4]) + 0.1 * rng.random((8, 8, 3))
+    vertices = np.array([[-1, 0, -1], [-1, 0, 1], [1, 0, 1], [1, 0, -1]], float)
+    uv = np.array([[-0.3, 0.2], [-0.3, 1.7], [1.4, 1.7], [1.4, 0.2]])  # beyond [0, 1]: the texture repeats
+    visual = trimesh.visual.TextureVisuals(uv=uv)
+    floor = trimesh.Trimesh(vertices, [[0, 1, 2], [0, 2, 3]], visual=visual, process=False)
+    wall = (np.array([[-1, 0, -1], [1, 0, -1], [1, 1.5, -1], [-1, 1.5, -1]], float), np.array([[0, 1, 2], [0, 2, 3]]))
+    panel = (np.array([[-0.4, 1.4, -0.2], [0.2, 1.4, -0.2], [0.2, 1.4, 0.4], [-0.4, 1.4, 0.4]]), wall[1])
+    shapes = [
+        Shape(floor, MetallicRoughness(Texture(pixels), metallic=0.4, roughness=0.6), name="floor"),
+        Shape(wall, Diffuse((0.5, 0.6, 0.7)), name="wall"),
+        Shape(panel, Diffuse(0.2), emission=4.0, name="panel"),
+    ]
+    camera = Camera((0.3, 1.0, 2.2), (0, 0.4, -0.2), fov=45, width=24, height=18)
+    return Scene(camera, shapes, [PointLight((0.6, 0.9, 0.5), 0.7)])
