@@ -3,17 +3,19 @@
 PYTHON ?=
 SECONDS_ ?= 150
 BIN = .venv/bin
+KERNELS = $(wildcard cl_kernels/*/*.cl)
 # one worker a core: a CPU compiler works on one core while another worker's kernels run; a file's tests share its compiles
 WORKERS = -n auto --dist loadfile
 SETUP = PYTHON="$(PYTHON)" sh tools/setup.sh
 
-.PHONY: help render test test-long lint setup setup-dev clean
+.PHONY: help render test test-long lint format setup setup-dev clean
 
 help:
 	@echo "make render     set up (.venv, pylmc, OpenCL) and draw out/keyhole.exr, .png and .json"
 	@echo "make test       set up and run the tests"
 	@echo "make test-long  set up and run all tests, the long ones too"
-	@echo "make lint       set up and run ruff and mypy"
+	@echo "make lint       set up and run ruff, clang-format and mypy, which change nothing"
+	@echo "make format     set up and have ruff and clang-format lay out Python and kernels"
 	@echo "make clean      remove what the above made (.venv, .opencl, caches; pictures in out/ stay)"
 
 setup:
@@ -34,7 +36,13 @@ test-long: setup-dev
 
 lint: setup-dev
 	$(BIN)/ruff check .
+	$(BIN)/ruff format --check --quiet .
+	$(BIN)/clang-format --dry-run -Werror $(KERNELS)
 	$(BIN)/mypy
+
+format: setup-dev
+	$(BIN)/ruff format .
+	$(BIN)/clang-format -i $(KERNELS)
 
 clean:
 	rm -rf .venv .opencl build dist *.egg-info .pytest_cache .ruff_cache .mypy_cache

@@ -53,8 +53,14 @@ def run_case(case: dict[str, float], args: argparse.Namespace, folder: Path) -> 
     rows: list[dict[str, Any]] = []
     for method, values in found.items():
         errors, trimmed, rates = zip(*values, strict=True)
-        row = {"case": case, "method": method, "relMSE": median(errors), "relMSE_trimmed": median(trimmed),
-               "all": errors, "per_second": median(rates)}  # fmt: skip
+        row = {
+            "case": case,
+            "method": method,
+            "relMSE": median(errors),
+            "relMSE_trimmed": median(trimmed),
+            "all": errors,
+            "per_second": median(rates),
+        }
         rows.append(row)
         row["ratio"] = row["relMSE"] / rows[0]["relMSE"]
         row["ratio_trimmed"] = row["relMSE_trimmed"] / rows[0]["relMSE_trimmed"]
@@ -66,15 +72,19 @@ def run_case(case: dict[str, float], args: argparse.Namespace, folder: Path) -> 
     return rows
 
 
-HEADER = ("| hole | roughness | method | relMSE | trimmed | ratio | ratio, trimmed | mutations or samples/s |\n"
-          "|---|---|---|---|---|---|---|---|")  # fmt: skip
+HEADER = (
+    "| hole | roughness | method | relMSE | trimmed | ratio | ratio, trimmed | mutations or samples/s |\n"
+    "|---|---|---|---|---|---|---|---|"
+)
 
 
 def line(row: dict[str, Any]) -> str:
     """A row of the table in Markdown."""
     case = row["case"]
-    return (f"| {case['hole']:g} | {case['roughness']:g} | {row['method']} | {row['relMSE']:.3g} | {row['relMSE_trimmed']:.3g} "
-            f"| {row['ratio']:.1f} | {row['ratio_trimmed']:.1f} | {row['per_second']:.3g} |")  # fmt: skip
+    return (
+        f"| {case['hole']:g} | {case['roughness']:g} | {row['method']} | {row['relMSE']:.3g} | {row['relMSE_trimmed']:.3g} "
+        f"| {row['ratio']:.1f} | {row['ratio_trimmed']:.1f} | {row['per_second']:.3g} |"
+    )
 
 
 def main() -> None:

@@ -85,8 +85,13 @@ def bias(cell: Cell, reference: Cell, groups: list[str] | None = None) -> dict[s
     z_balance = [z for g in names for z in cell.balance.get(g, [])]
     zs = {"b": sidak(z_b), "film": sidak(z_film), "balance": sidak(z_balance)}
     whole = expected or float("nan")
-    return {**zs, "worst": sidak([*z_b, *z_film, *z_balance]), "judged": bool(sound or lost),
-            "relative": (total - expected) / whole, "relative_error": float(np.hypot(total_error, expected_error)) / whole}
+    return {
+        **zs,
+        "worst": sidak([*z_b, *z_film, *z_balance]),
+        "judged": bool(sound or lost),
+        "relative": (total - expected) / whole,
+        "relative_error": float(np.hypot(total_error, expected_error)) / whole,
+    }
 
 
 def acceptance(cell: Cell, names: Any = None) -> float:
@@ -218,7 +223,9 @@ def _bad_numbers(sampler: Sampler) -> int:
     lit = states.log_pi > -np.inf
     inside = (np.arange(depth)[None, :] < states.length[:, None]) & lit[:, None]
     inner = (np.arange(depth)[None, :] < states.length[:, None] - 1) & lit[:, None]
-    bad = sum(int(np.sum(~np.isfinite(array[mask]))) for array, mask in
-              ((states.nodes, inside), (states.directions, inside), (states.deviations, inner)))  # fmt: skip
+    bad = sum(
+        int(np.sum(~np.isfinite(array[mask])))
+        for array, mask in ((states.nodes, inside), (states.directions, inside), (states.deviations, inner))
+    )
     bad += int(np.sum(~np.isfinite(states.factors[lit]))) + int(np.sum(np.isnan(states.log_pi) | (states.log_pi == np.inf)))
     return bad + int(np.sum(~np.isfinite(states.log_p[lit])))

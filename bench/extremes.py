@@ -62,12 +62,26 @@ def row(axis: Axis, value: Any, precision: str, cell: Cell, reference: Cell, gro
     judged = bias(cell, reference, groups)
     accepted = acceptance(cell, groups)
     mean, mean_error = summed(cell, groups)
-    return {"axis": axis.name, "value": value, "precision": precision, "gives_up": verdict(cell, judged, accepted),
-            "message": cell.refused, "warned": cell.warned, "acceptance": accepted, "mean": mean, "mean_error": mean_error,
-            **{f"z_{k}": judged[k] for k in ("b", "film", "balance", "worst")}, "bias": judged["relative"],
-            "bias_error": judged["relative_error"], "bad_pixels": cell.bad_pixels, "bad_states": cell.bad_states,
-            "bad_weights": cell.bad_weights, "not_finite_rejected": cell.not_finite, "film_loss": cell.film_loss,
-            "seconds": round(cell.seconds, 2)}  # fmt: skip
+    return {
+        "axis": axis.name,
+        "value": value,
+        "precision": precision,
+        "gives_up": verdict(cell, judged, accepted),
+        "message": cell.refused,
+        "warned": cell.warned,
+        "acceptance": accepted,
+        "mean": mean,
+        "mean_error": mean_error,
+        **{f"z_{k}": judged[k] for k in ("b", "film", "balance", "worst")},
+        "bias": judged["relative"],
+        "bias_error": judged["relative_error"],
+        "bad_pixels": cell.bad_pixels,
+        "bad_states": cell.bad_states,
+        "bad_weights": cell.bad_weights,
+        "not_finite_rejected": cell.not_finite,
+        "film_loss": cell.film_loss,
+        "seconds": round(cell.seconds, 2),
+    }
 
 
 def run_axis(axis: Axis, args: argparse.Namespace) -> list[dict[str, Any]]:
@@ -89,8 +103,15 @@ def run_axis(axis: Axis, args: argparse.Namespace) -> list[dict[str, Any]]:
                 work = (axis.max_depth, CANDIDATES >> args.quick, CHAINS >> args.quick)
                 for name in ("reference", *PRECISIONS):
                     first = 101 if name == "reference" else 1
-                    cells[name] = run(scene, "double" if name == "reference" else name, work[0], range(first, first + seeds),
-                                      work[1], work[2], device=args.device)  # fmt: skip
+                    cells[name] = run(
+                        scene,
+                        "double" if name == "reference" else name,
+                        work[0],
+                        range(first, first + seeds),
+                        work[1],
+                        work[2],
+                        device=args.device,
+                    )
         reference = cells["reference"]
         expected = axis.law(value) if axis.law else math.nan
         mean, error = summed(reference, groups)
@@ -109,9 +130,11 @@ def line(r: dict[str, Any]) -> str:
     shown = f"{r['axis']:15s} {r['value']!s:>11} {r['precision']:7s}"
     if r["message"]:
         return f"{shown} refused: {r['message'][:90]}"
-    return (f"{shown} z {r['z_worst']:5.1f} (b {r['z_b']:.1f} film {r['z_film']:.1f} balance {r['z_balance']:.1f}) "
-            f"bias {r['bias']:+.4f} +- {r['bias_error']:.4f} acc {r['acceptance']:.3f} nf {r['not_finite_rejected']} "
-            f"{r['seconds']:.1f}s {r['gives_up']}")  # fmt: skip
+    return (
+        f"{shown} z {r['z_worst']:5.1f} (b {r['z_b']:.1f} film {r['z_film']:.1f} balance {r['z_balance']:.1f}) "
+        f"bias {r['bias']:+.4f} +- {r['bias_error']:.4f} acc {r['acceptance']:.3f} nf {r['not_finite_rejected']} "
+        f"{r['seconds']:.1f}s {r['gives_up']}"
+    )
 
 
 def main() -> None:

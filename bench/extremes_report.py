@@ -25,8 +25,10 @@ def markdown(rows: list[dict[str, Any]]) -> str:
         if not own:
             continue
         parts.append(f"### {axis.name}: {axis.what}\n")
-        parts.append("| value | precision | bias of the mean | z: b | film | balance | acceptance | NaN, Inf | rejected | law "
-                     "| gives up | warned |")  # fmt: skip
+        parts.append(
+            "| value | precision | bias of the mean | z: b | film | balance | acceptance | NaN, Inf | rejected | law "
+            "| gives up | warned |"
+        )
         parts.append("|---|---|---|---|---|---|---|---|---|---|---|---|")
         parts += [_line(r) for r in own]
         parts.append("")
@@ -41,8 +43,10 @@ def _line(r: dict[str, Any]) -> str:
     bad = r["bad_pixels"] + r["bad_states"] + r["bad_weights"]
     law = f"{r['law']:.3f} ± {r['law_error']:.3f}" if r.get("law") is not None else ""
     bias = f"{100 * r['bias']:+.2f} ± {100 * r['bias_error']:.2f} %"
-    return (f"| {shown(r['value'])} | {r['precision']} | {bias} | {r['z_b']:.1f} | {r['z_film']:.1f} | {r['z_balance']:.1f} "
-            f"| {r['acceptance']:.3f} | {bad} | {r['not_finite_rejected']} | {law} | {r['gives_up']} | {warned} |")  # fmt: skip
+    return (
+        f"| {shown(r['value'])} | {r['precision']} | {bias} | {r['z_b']:.1f} | {r['z_film']:.1f} | {r['z_balance']:.1f} "
+        f"| {r['acceptance']:.3f} | {bad} | {r['not_finite_rejected']} | {law} | {r['gives_up']} | {warned} |"
+    )
 
 
 def picture(rows: list[dict[str, Any]], path: Path) -> None:
@@ -70,8 +74,16 @@ def picture(rows: list[dict[str, Any]], path: Path) -> None:
             zs[i][j] = math.nan if refused else min(r["z_worst"], SHOWN_Z)
             text = "" if refused else f"{r['acceptance']:.2f}"
             dark = not refused and r["z_worst"] > 0.6 * SHOWN_Z
-            place.text(j, i, f"{text} {MARKS[given_up]}".strip() if given_up else text, ha="center", va="center", fontsize=10,
-                       color="white" if dark else "black", weight="bold" if given_up else "normal")  # fmt: skip
+            place.text(
+                j,
+                i,
+                f"{text} {MARKS[given_up]}".strip() if given_up else text,
+                ha="center",
+                va="center",
+                fontsize=10,
+                color="white" if dark else "black",
+                weight="bold" if given_up else "normal",
+            )
             if given_up:
                 place.add_patch(Rectangle((j - 0.47, i - 0.44), 0.94, 0.88, fill=False, edgecolor="black", linewidth=2))
         place.set_facecolor("#cccccc")
@@ -83,7 +95,8 @@ def picture(rows: list[dict[str, Any]], path: Path) -> None:
         place.axis("off")
     bar = figure.colorbar(image, ax=places, location="bottom", shrink=0.6, aspect=50, pad=0.02)
     words = ", ".join(f"{letter} {name}" for name, letter in MARKS.items())
-    bar.set_label("bias against double, in standard errors; in the cells: acceptance of small steps. "
-                  f"Gives up: {words}", fontsize=9)  # fmt: skip
+    bar.set_label(
+        f"bias against double, in standard errors; in the cells: acceptance of small steps. Gives up: {words}", fontsize=9
+    )
     figure.savefig(path, dpi=90)
     plt.close(figure)

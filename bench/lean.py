@@ -42,8 +42,11 @@ def variants(name: str, sampler: Sampler) -> dict[str, dict[str, Any]]:
     if name == "box":
         flags = {key: True for key, on in sampler.compiled.features.items() if key.startswith("HAS_") and not on}
         found |= {f"with {key}": {key: True} for key in flags}
-        found |= {"with HAS_NARROW, HAS_DEVIATION": {"HAS_NARROW": True, "HAS_GLOSSY": True, "HAS_DEVIATION": True},
-                  "with room for 32 segments": {"MAX_DEPTH": MAX_DEPTH}, "with drift": {"DRIFT": True}}  # fmt: skip
+        found |= {
+            "with HAS_NARROW, HAS_DEVIATION": {"HAS_NARROW": True, "HAS_GLOSSY": True, "HAS_DEVIATION": True},
+            "with room for 32 segments": {"MAX_DEPTH": MAX_DEPTH},
+            "with drift": {"DRIFT": True},
+        }
         del found["with HAS_NARROW"]
     return found
 
@@ -58,8 +61,10 @@ def built(sampler: Sampler, constants: dict[str, Any]) -> tuple[cl.Kernel, float
     device.queue.finish()
     seconds = time.perf_counter() - start
     info = cl.kernel_work_group_info
-    told = {"private_bytes": kernel.get_work_group_info(info.PRIVATE_MEM_SIZE, device.device),
-            "binary_bytes": len(kernel.program.binaries[0])}  # fmt: skip
+    told = {
+        "private_bytes": kernel.get_work_group_info(info.PRIVATE_MEM_SIZE, device.device),
+        "binary_bytes": len(kernel.program.binaries[0]),
+    }
     return kernel, seconds, told
 
 
@@ -87,14 +92,18 @@ def measure(name: str, rounds: int, device: Any) -> list[dict[str, Any]]:
     return rows
 
 
-HEADER = ("| scene | kernel | ns per mutation | ratio | cold build [s] | binary [kB] | private memory told [B] |\n"
-          "|---|---|---|---|---|---|---|")  # fmt: skip
+HEADER = (
+    "| scene | kernel | ns per mutation | ratio | cold build [s] | binary [kB] | private memory told [B] |\n"
+    "|---|---|---|---|---|---|---|"
+)
 
 
 def line(row: dict[str, Any]) -> str:
     """A row of the table in Markdown."""
-    return (f"| {row['scene']} | {row['kernel']} | {row['ns_per_mutation']:.0f} | {row['ratio']:.2f} "
-            f"| {row['build_seconds']:.1f} | {row['binary_bytes'] / 1000:.0f} | {row['private_bytes']} |")  # fmt: skip
+    return (
+        f"| {row['scene']} | {row['kernel']} | {row['ns_per_mutation']:.0f} | {row['ratio']:.2f} "
+        f"| {row['build_seconds']:.1f} | {row['binary_bytes'] / 1000:.0f} | {row['private_bytes']} |"
+    )
 
 
 def plot(rows: list[dict[str, Any]], path: Path) -> None:

@@ -40,8 +40,15 @@ def gather(extra: list[str]) -> list[dict[str, Any]]:
         if found:
             name, *numbers = found.groups()
             precision = next(p for p in ("single", "mixed", "double", "float-float") if f"-{p}" in f"-{case}")
-            records.append({"case": case, "precision": precision, "quantity": name, "errors": [float(x) for x in numbers[:3]],
-                            "bounds": [float(x) for x in numbers[3:]]})  # fmt: skip
+            records.append(
+                {
+                    "case": case,
+                    "precision": precision,
+                    "quantity": name,
+                    "errors": [float(x) for x in numbers[:3]],
+                    "bounds": [float(x) for x in numbers[3:]],
+                }
+            )
     return records
 
 
@@ -50,11 +57,13 @@ def worst(records: list[dict[str, Any]]) -> list[dict[str, Any]]:
     rows: dict[tuple[str, str, tuple[float, ...]], list[list[float]]] = {}
     for record in records:
         rows.setdefault((record["quantity"], record["precision"], tuple(record["bounds"])), []).append(record["errors"])
-    return [{"quantity": q, "precision": p, "cases": len(errors), "errors": np.max(errors, axis=0).tolist(), "bounds": list(b)}
-            for (q, p, b), errors in sorted(rows.items())]  # fmt: skip
+    return [
+        {"quantity": q, "precision": p, "cases": len(errors), "errors": np.max(errors, axis=0).tolist(), "bounds": list(b)}
+        for (q, p, b), errors in sorted(rows.items())
+    ]
 
 
-HEADER = ("| quantity | precision | cases | median | 99 % | largest | bounds |\n|---|---|---|---|---|---|---|")
+HEADER = "| quantity | precision | cases | median | 99 % | largest | bounds |\n|---|---|---|---|---|---|---|"
 
 
 def line(row: dict[str, Any]) -> str:

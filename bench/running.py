@@ -104,8 +104,9 @@ def reference(scene: Scene, depths: Sequence[int], seconds: float, runs: int = 6
                 if group.length <= depth:
                     total += film * (group.b * sampler.film_pixels / (max(group.steps, 1) * group.chains))
             pictures[depth].append(total * sampler.compiled.radiance_scale)
-    return Reference({k: np.mean(p, axis=0) for k, p in pictures.items()},
-                     {k: np.var(p, axis=0, ddof=1) / runs for k, p in pictures.items()})  # fmt: skip
+    return Reference(
+        {k: np.mean(p, axis=0) for k, p in pictures.items()}, {k: np.var(p, axis=0, ddof=1) / runs for k, p in pictures.items()}
+    )
 
 
 def relative_mse(picture: np.ndarray, mean: np.ndarray, variance: np.ndarray) -> float:

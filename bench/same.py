@@ -71,8 +71,14 @@ def difference(name: str, ours: dict[str, Any], theirs: dict[str, Any], folders:
 def circumstances() -> dict[str, str]:
     """What the bits are a property of, besides the code."""
     device = survey.usable()[0]
-    cpu = next((line.partition(":")[2].strip() for line in Path("/proc/cpuinfo").read_text().splitlines()
-                if line.startswith("model name")), platform.processor())  # fmt: skip
+    cpu = next(
+        (
+            line.partition(":")[2].strip()
+            for line in Path("/proc/cpuinfo").read_text().splitlines()
+            if line.startswith("model name")
+        ),
+        platform.processor(),
+    )
     return {"device": device.label, "driver": device.driver, "cpu": cpu, "python": platform.python_version()}
 
 
@@ -89,8 +95,10 @@ def main() -> int:
         for file in folder.glob("*.*"):
             file.unlink()
     with checkout(options.head) as head, checkout(options.base) as base, ThreadPoolExecutor(2) as pool:
-        sides = [pool.submit(record, tree, folder, options.quick, options.only)
-                 for tree, folder in zip((head, base), folders, strict=True)]  # fmt: skip
+        sides = [
+            pool.submit(record, tree, folder, options.quick, options.only)
+            for tree, folder in zip((head, base), folders, strict=True)
+        ]
         ours, theirs = (side.result() for side in sides)
     found = {name: difference(name, ours[name], theirs[name], folders) for name in theirs}
     for name, words in found.items():

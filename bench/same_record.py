@@ -33,8 +33,12 @@ def textured() -> Any:
     """Textured surfaces of two lobes, smooth and flat, under an emitting panel and a point light."""
     y, x = np.mgrid[0:8, 0:8]
     texture = pylmc.Texture(np.stack([(x + y) % 2 * 0.6 + 0.2, x / 8, y / 8], axis=-1))
-    floor = trimesh.Trimesh([[-2, 0, -2], [-2, 0, 2], [2, 0, 2], [2, 0, -2]], [[0, 1, 2], [0, 2, 3]], process=False,
-                            visual=trimesh.visual.TextureVisuals(uv=[[0, 0], [0, 3], [3, 3], [3, 0]]))  # fmt: skip
+    floor = trimesh.Trimesh(
+        [[-2, 0, -2], [-2, 0, 2], [2, 0, 2], [2, 0, -2]],
+        [[0, 1, 2], [0, 2, 3]],
+        process=False,
+        visual=trimesh.visual.TextureVisuals(uv=[[0, 0], [0, 3], [3, 3], [3, 0]]),
+    )
     panel = ([[-0.5, 2, -0.5], [0.5, 2, -0.5], [0.5, 2, 0.5], [-0.5, 2, 0.5]], [[0, 1, 2], [0, 2, 3]])
     ball = trimesh.creation.icosphere(subdivisions=2, radius=0.5).apply_translation([0, 0.6, 0])
     shapes = [
@@ -71,11 +75,13 @@ def cases(quick: bool) -> dict[str, tuple[Callable[[], Any], dict[str, Any]]]:
         found[f"textured {integrator}"] = textured, {"integrator": integrator}
         found[f"gltf {integrator}"] = gltf, {"integrator": integrator}
     options: dict[str, dict[str, Any]] = {
-        "drift": {"drift": True}, "deviation": {"coordinates": "deviation"},
+        "drift": {"drift": True},
+        "deviation": {"coordinates": "deviation"},
         "drift deviation": {"drift": True, "coordinates": "deviation", "chart": "orthographic"},
-        "rms reduced": {"rule": "rms", "differentials": "reduced"}, "plain": {"even": False, "constraints": (), "aim": "light"},
+        "rms reduced": {"rule": "rms", "differentials": "reduced"},
+        "plain": {"even": False, "constraints": (), "aim": "light"},
         "projection": {"coordinates": "deviation", "projection": "orthographic", "rule": "mean", "blocks": False},
-    }  # fmt: skip
+    }
     for name, chosen in options.items():
         found[f"caustic {name}"] = built_in("caustic"), chosen
         found[f"textured {name}"] = textured, chosen
@@ -86,8 +92,14 @@ def cases(quick: bool) -> dict[str, tuple[Callable[[], Any], dict[str, Any]]]:
 
 def record(scene: Callable[[], Any], chosen: dict[str, Any]) -> tuple[np.ndarray, dict[str, Any]]:
     integrator = chosen.get("integrator", "lmc")
-    picture = pylmc.render(scene(), mutations_per_pixel=WORK[integrator], seed=5, max_depth=5, progress=False,
-                           **{"integrator": integrator, **chosen})  # fmt: skip
+    picture = pylmc.render(
+        scene(),
+        mutations_per_pixel=WORK[integrator],
+        seed=5,
+        max_depth=5,
+        progress=False,
+        **{"integrator": integrator, **chosen},
+    )
     told = picture.diagnostics
     return picture.image, {key: told[key] for key in COUNTERS if key in told} | {"device": told["device"]}
 

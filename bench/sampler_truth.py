@@ -29,17 +29,29 @@ from studies.invariance_cases import ALPHA, CASES, CONTROLS, FAULTY, start
 matplotlib.use("Agg")
 from matplotlib import pyplot
 
-HEADER = ("| {what} | scene | precision | steps | accepted | tests | least p | {bound} | corrected | |\n"
-          "|---|---|---|---|---|---|---|---|---|---|")  # fmt: skip
+HEADER = (
+    "| {what} | scene | precision | steps | accepted | tests | least p | {bound} | corrected | |\n"
+    "|---|---|---|---|---|---|---|---|---|---|"
+)
 
 
 def row(name: str, scene: str, precision: str, steps: int, outcome: Outcome, faulty: bool = False) -> dict[str, Any]:
     """Numbers of one comparison; ``faulty``: it must fail."""
     passed = outcome.smallest < FAULTY if faulty else outcome.corrected > ALPHA
-    return {"name": name, "scene": scene, "precision": precision, "steps": steps, "acceptance": outcome.acceptance,
-            "tests": outcome.tests, "least": outcome.smallest, "of": outcome.worst, "corrected": outcome.corrected,
-            "bound": FAULTY if faulty else outcome.threshold(ALPHA), "as_it_should": passed,
-            "p_values": list(outcome.p_values.values())}  # fmt: skip
+    return {
+        "name": name,
+        "scene": scene,
+        "precision": precision,
+        "steps": steps,
+        "acceptance": outcome.acceptance,
+        "tests": outcome.tests,
+        "least": outcome.smallest,
+        "of": outcome.worst,
+        "corrected": outcome.corrected,
+        "bound": FAULTY if faulty else outcome.threshold(ALPHA),
+        "as_it_should": passed,
+        "p_values": list(outcome.p_values.values()),
+    }
 
 
 def run_all(seed: int) -> dict[str, list[dict[str, Any]]]:
@@ -74,8 +86,10 @@ def line(r: dict[str, Any]) -> str:
     """A row in Markdown."""
     accepted = f"{r['acceptance']:.2f}" if r["acceptance"] else ""
     verdict = "as it should" if r["as_it_should"] else "**not as it should**"
-    return (f"| {r['name']} | {r['scene']} | {r['precision']} | {r['steps']} | {accepted} | {r['tests']} | {shown(r['least'])} "
-            f"| {shown(r['bound'])} | {shown(r['corrected'])} | {verdict} |")  # fmt: skip
+    return (
+        f"| {r['name']} | {r['scene']} | {r['precision']} | {r['steps']} | {accepted} | {r['tests']} | {shown(r['least'])} "
+        f"| {shown(r['bound'])} | {shown(r['corrected'])} | {verdict} |"
+    )
 
 
 def markdown(rows: dict[str, list[dict[str, Any]]]) -> str:
@@ -83,8 +97,10 @@ def markdown(rows: dict[str, list[dict[str, Any]]]) -> str:
     family = -np.expm1(len(rows["kept"]) * np.log1p(-ALPHA))
     pooled = np.concatenate([r["p_values"] for r in rows["kept"]])
     kinds = {"kept": ("configuration", "must exceed"), "seen": ("fault", "must be below"), "met": ("chains", "bound")}
-    tables = {kind: "\n".join([HEADER.format(what=what, bound=bound), *map(line, rows[kind])])
-              for kind, (what, bound) in kinds.items()}  # fmt: skip
+    tables = {
+        kind: "\n".join([HEADER.format(what=what, bound=bound), *map(line, rows[kind])])
+        for kind, (what, bound) in kinds.items()
+    }
     return f"""Made by `python -m bench.sampler_truth`.
 
 Chains start in an exact sample of the target, take some steps, and are compared with another exact sample: every coordinate
@@ -124,15 +140,34 @@ def draw(rows: dict[str, list[dict[str, Any]]], file: Path) -> None:
     least = 0.3 / len(pooled)
     above.fill_between(ranks / (n + 1), low, high, color="tab:blue", alpha=0.15, linewidth=0)
     above.plot([least, 1], [least, 1], color="black", linewidth=0.8)
-    above.plot(np.arange(1, len(pooled) + 1) / (len(pooled) + 1), pooled, ".", color="0.45", markersize=3,
-               label=f"all {len(pooled)} tests")  # fmt: skip
-    above.plot(ranks / (n + 1), corrected, "o", color="tab:blue", markersize=5,
-               label=f"smallest of each of {n} configurations, corrected")  # fmt: skip
+    above.plot(
+        np.arange(1, len(pooled) + 1) / (len(pooled) + 1),
+        pooled,
+        ".",
+        color="0.45",
+        markersize=3,
+        label=f"all {len(pooled)} tests",
+    )
+    above.plot(
+        ranks / (n + 1),
+        corrected,
+        "o",
+        color="tab:blue",
+        markersize=5,
+        label=f"smallest of each of {n} configurations, corrected",
+    )
     above.axhline(ALPHA, color="tab:red", linestyle="--", linewidth=1)
     limit = f"a configuration fails below α = {ALPHA:g}, corrected"
     above.text(0.98, ALPHA * 1.15, limit, color="tab:red", fontsize=9, ha="right")
-    above.set(xscale="log", yscale="log", xlim=(least, 1.1), ylim=(min(least, pooled[0] / 2), 1.3),
-              xlabel="uniform quantile", ylabel="p-value", title="Configurations that must pass")  # fmt: skip
+    above.set(
+        xscale="log",
+        yscale="log",
+        xlim=(least, 1.1),
+        ylim=(min(least, pooled[0] / 2), 1.3),
+        xlabel="uniform quantile",
+        ylabel="p-value",
+        title="Configurations that must pass",
+    )
     above.legend(loc="upper left", fontsize=9)
     faults = sorted(rows["seen"], key=lambda r: r["least"], reverse=True)
     digits = [-np.log10(max(r["least"], 1e-300)) for r in faults]
@@ -143,12 +178,22 @@ def draw(rows: dict[str, list[dict[str, Any]]], file: Path) -> None:
     below.plot(digits, range(len(faults)), "D", color="tab:red", markersize=7, label="with the fault")
     for y, (x, r) in enumerate(zip(digits, faults, strict=True)):
         right = x < end / 2
-        below.text(x + (0.02 if right else -0.02) * end, y, f"{r['name']}: {shown(r['least'])}", va="center",
-                   ha="left" if right else "right", fontsize=9)  # fmt: skip
+        below.text(
+            x + (0.02 if right else -0.02) * end,
+            y,
+            f"{r['name']}: {shown(r['least'])}",
+            va="center",
+            ha="left" if right else "right",
+            fontsize=9,
+        )
     below.axvline(-np.log10(FAULTY), color="tab:red", linestyle="--", linewidth=1)
     below.set_yticks([])
-    below.set(xlim=(0, end), ylim=(-1.9, len(faults) - 0.4), xlabel=f"−log₁₀ of the smallest p-value (dashed: {FAULTY:g})",
-              title="Faults that must be seen")  # fmt: skip
+    below.set(
+        xlim=(0, end),
+        ylim=(-1.9, len(faults) - 0.4),
+        xlabel=f"−log₁₀ of the smallest p-value (dashed: {FAULTY:g})",
+        title="Faults that must be seen",
+    )
     below.legend(loc="lower right", fontsize=9)
     figure.savefig(file, dpi=110, pil_kwargs={"optimize": True})
     pyplot.close(figure)

@@ -82,18 +82,23 @@ def row(scene: str, option: Option, traces: list[Trace], truth: Reference, rate:
     curves = [[max(relative_mse(picture, mean, variance), 1e-9) for picture in trace.pictures] for trace in traces]
     bias, noise = cell_bias([trace.pictures[-1] for trace in traces], mean, variance)
     return {
-        "scene": scene, "option": option.name, "integrator": option.integrator, "settings": option.settings,
+        "scene": scene,
+        "option": option.name,
+        "integrator": option.integrator,
+        "settings": option.settings,
         "seconds": [median(t.seconds[i] for t in traces) for i in range(len(curves[0]))],
         "errors": [median(curve[i] for curve in curves) for i in range(len(curves[0]))],
         "work": [median(t.work[i] for t in traces) for i in range(len(curves[0]))],
         "equal_time": median(at(goal * rate, trace.work, curve) for trace, curve in zip(traces, curves, strict=True)),
         "equal_work": median(at(goal, trace.work, curve) for trace, curve in zip(traces, curves, strict=True)),
-        "bias": bias, "bias_noise": noise, "per_second": rate * goal / median(t.seconds[-1] for t in traces),
+        "bias": bias,
+        "bias_noise": noise,
+        "per_second": rate * goal / median(t.seconds[-1] for t in traces),
         "ess_per_second": median(t.diagnostics.get("ess", 0.0) / t.seconds[-1] for t in traces),
         "acceptance": median(t.diagnostics.get("acceptance", float("nan")) for t in traces),
         "not_finite": sum(t.diagnostics.get("not_finite_rejected", 0) for t in traces),
         "finite": all(np.isfinite(picture).all() for trace in traces for picture in trace.pictures),
-    }  # fmt: skip
+    }
 
 
 def at(goal: float, amounts: list[float] | list[int], errors: list[float]) -> float:
@@ -122,8 +127,13 @@ def main() -> None:
     if not args.page:
         for name in args.only or SCENES:
             found[name] = measure(name, args)
-            found["how"] = {"seconds": args.seconds, "seeds": args.seeds, "reference": args.reference, "size": args.size,
-                            "device": select(args.device).name.strip()}  # fmt: skip
+            found["how"] = {
+                "seconds": args.seconds,
+                "seeds": args.seeds,
+                "reference": args.reference,
+                "size": args.size,
+                "device": select(args.device).name.strip(),
+            }
             store.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
         found["unit_jacobian"] = measure_unit_jacobian(args.device)
         store.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

@@ -53,8 +53,10 @@ OPTIONS = (
     Option("drift, deviation charts", DEVIATION | {"drift": True}, against="deviation charts"),
     Option("reduced differentials", {"differentials": "reduced"}, needs="HAS_DEVIATION"),
     Option("reduced differentials, deviation charts", DEVIATION | {"differentials": "reduced"}, against="deviation charts"),
-    *(Option(f"without {kind}", {"constraints": tuple(k for k in CONSTRAINTS if k != kind)}, needs=kind)
-      for kind in CONSTRAINTS),
+    *(
+        Option(f"without {kind}", {"constraints": tuple(k for k in CONSTRAINTS if k != kind)}, needs=kind)
+        for kind in CONSTRAINTS
+    ),
     Option("h = 0.03", {"step": (0.03, 0.03)}),
     Option("h = 0.1", {"step": (0.1, 0.1)}),
     Option("h = 0.3", {"step": (0.3, 0.3)}),
@@ -71,18 +73,22 @@ OPTIONS = (
     Option("max depth 12", {"max_depth": 12}),
     Option("bdpt", {}, "bdpt"),
     Option("path", {}, "path"),
-)  # fmt: skip
+)
 
 
 def applies(option: Option, compiled: CompiledScene) -> bool:
     """Whether the option changes anything for this scene."""
     features, plan = compiled.features, compiled.plan
     has = {
-        "": True, "HAS_NARROW": features["HAS_NARROW"], "targets": features["NUM_TARGETS"] > 0,
+        "": True,
+        "HAS_NARROW": features["HAS_NARROW"],
+        "targets": features["NUM_TARGETS"] > 0,
         # target charts of flat, wide surfaces need neither frames nor normals' tangents
         "HAS_DEVIATION": features["HAS_NARROW"] or features["HAS_SMOOTH"],
         # diffuse lobes are bounded by one radian, so every scene has that kind
-        "lobes": True, "holes": features["NUM_APERTURES"] > 0, "objects": plan.small_objects + plan.emitters > 0,
+        "lobes": True,
+        "holes": features["NUM_APERTURES"] > 0,
+        "objects": plan.small_objects + plan.emitters > 0,
         "normals": features["HAS_SMOOTH"],
-    }  # fmt: skip
+    }
     return bool(has[option.needs])

@@ -9,8 +9,10 @@ import numpy as np
 
 SCENES = ("keyhole", "caustic", "glints", "box")
 LABELLED = 6  # options named in each panel: those on the front, then the best
-HEADER = ("| scene | option | against | error, equal time | ratio | error, equal mutations | ratio | bias | mutations/s "
-          "| ratio | ESS/s | acceptance |\n|---|---|---|---|---|---|---|---|---|---|---|---|")  # fmt: skip
+HEADER = (
+    "| scene | option | against | error, equal time | ratio | error, equal mutations | ratio | bias | mutations/s "
+    "| ratio | ESS/s | acceptance |\n|---|---|---|---|---|---|---|---|---|---|---|---|"
+)
 
 
 def line(row: dict[str, Any]) -> str:
@@ -20,9 +22,11 @@ def line(row: dict[str, Any]) -> str:
     ess = f"{row['ess_per_second']:.3g}" if row["ess_per_second"] else ""
     accepted = f"{row['acceptance']:.2f}" if np.isfinite(row["acceptance"]) else ""
     against = "" if row["option"] == row["against"] else row["against"]
-    return (f"| {row['scene']} | {row['option']} | {against} | {row['equal_time']:.3g} | {row['equal_time_ratio']:.2f} "
-            f"| {row['equal_work']:.3g} | {row['equal_work_ratio']:.2f} | {shown} | {row['per_second']:.3g} "
-            f"| {row['per_second_ratio']:.2f} | {ess} | {accepted} |")  # fmt: skip
+    return (
+        f"| {row['scene']} | {row['option']} | {against} | {row['equal_time']:.3g} | {row['equal_time_ratio']:.2f} "
+        f"| {row['equal_work']:.3g} | {row['equal_work_ratio']:.2f} | {shown} | {row['per_second']:.3g} "
+        f"| {row['per_second_ratio']:.2f} | {ess} | {accepted} |"
+    )
 
 
 def pareto(rows: list[dict[str, Any]]) -> list[tuple[float, float, str]]:
@@ -102,8 +106,10 @@ def _each(found: dict[str, Any], option: str, key: str) -> str:
 
 
 def _compared(found: dict[str, Any], option: str, label: str) -> str:
-    return (f"| {label} | {mean_ratio(found, option, 'equal_time'):.2f} | {mean_ratio(found, option, 'equal_work'):.2f} "
-            f"| {mean_ratio(found, option, 'per_second'):.2f} | {_each(found, option, 'equal_time')} |")  # fmt: skip
+    return (
+        f"| {label} | {mean_ratio(found, option, 'equal_time'):.2f} | {mean_ratio(found, option, 'equal_work'):.2f} "
+        f"| {mean_ratio(found, option, 'per_second'):.2f} | {_each(found, option, 'equal_time')} |"
+    )
 
 
 def biased(found: dict[str, Any]) -> list[str]:
@@ -121,18 +127,23 @@ def findings(found: dict[str, Any]) -> str:
     """The page's text, figures from the measurement alone."""
     how = found["how"]
     drift, drift_d = (mean_ratio(found, o, "equal_time") for o in ("drift", "drift, deviation charts"))
-    isotropic = {o: mean_ratio(found, o, "equal_time") for o in
-                 ("isotropic, blocks", "isotropic, whole steps", "isotropic, deviation charts")}  # fmt: skip
+    isotropic = {
+        o: mean_ratio(found, o, "equal_time")
+        for o in ("isotropic, blocks", "isotropic, whole steps", "isotropic, deviation charts")
+    }
     charts = mean_ratio(found, "deviation charts", "equal_time")
     whole = mean_ratio(found, "whole steps", "equal_time")
-    gains = {"the target charts (against deviation charts)": charts, "blocks (against whole steps)": whole,
-             "the preconditioner, in target charts with blocks (against isotropic steps)": isotropic["isotropic, blocks"],
-             "the preconditioner, in target charts, whole steps": isotropic["isotropic, whole steps"],
-             "the preconditioner, in deviation charts": isotropic["isotropic, deviation charts"],
-             "large steps at 0.2 (against 0.05)": mean_ratio(found, "large steps 0.05", "equal_time"),
-             "small steps (against large steps alone)": mean_ratio(found, "large steps alone", "equal_time"),
-             "the evened target": mean_ratio(found, "target not evened", "equal_time"),
-             "drift": 1 / drift}  # fmt: skip
+    gains = {
+        "the target charts (against deviation charts)": charts,
+        "blocks (against whole steps)": whole,
+        "the preconditioner, in target charts with blocks (against isotropic steps)": isotropic["isotropic, blocks"],
+        "the preconditioner, in target charts, whole steps": isotropic["isotropic, whole steps"],
+        "the preconditioner, in deviation charts": isotropic["isotropic, deviation charts"],
+        "large steps at 0.2 (against 0.05)": mean_ratio(found, "large steps 0.05", "equal_time"),
+        "small steps (against large steps alone)": mean_ratio(found, "large steps alone", "equal_time"),
+        "the evened target": mean_ratio(found, "target not evened", "equal_time"),
+        "drift": 1 / drift,
+    }
     ranked = sorted(gains.items(), key=lambda item: -item[1])
     pays = [ratio < 1 - MARGIN for ratio in (drift, drift_d)]
     verdict = "pays" if all(pays) else "pays in places" if any(pays) else "does not pay"
@@ -170,14 +181,16 @@ def findings(found: dict[str, Any]) -> str:
         "",
         "| option | equal time | equal mutations | mutations/s | equal time by scene |",
         "|---|---|---|---|---|",
-        *(_compared(found, option, option + (f" (against {against})" if against != "default" else ""))
-          for option, against in _all_options(found)),
+        *(
+            _compared(found, option, option + (f" (against {against})" if against != "default" else ""))
+            for option, against in _all_options(found)
+        ),
         "",
         *defaults(found),
         "",
         f"Bias beyond twice the noise of its measurement (and beyond the default's): {'; '.join(biased(found)) or 'none'}.",
         "",
-    ]  # fmt: skip
+    ]
     if "unit_jacobian" in found:
         text += [
             "## The unit Jacobian",
@@ -189,8 +202,10 @@ def findings(found: dict[str, Any]) -> str:
             "",
             "| roughness | deviation of the film's cells, as printed | with the exact Jacobian (noise) |",
             "|---|---|---|",
-            *(f"| {row['alpha']:g} | {100 * row['unit']:.1f} % | {100 * row['exact']:.1f} % |"
-              for row in found["unit_jacobian"]),
+            *(
+                f"| {row['alpha']:g} | {100 * row['unit']:.1f} % | {100 * row['exact']:.1f} % |"
+                for row in found["unit_jacobian"]
+            ),
             "",
         ]
     return "\n".join(text)
@@ -199,23 +214,32 @@ def findings(found: dict[str, Any]) -> str:
 # What each default is chosen among: exact alternatives that answer the same question.
 CHOICES = {
     "precision single": ("precision mixed", "precision double", "precision float-float"),
-    "coordinates target, blocks": ("whole steps", "deviation charts"), "chart equal-area": ("orthographic",),
+    "coordinates target, blocks": ("whole steps", "deviation charts"),
+    "chart equal-area": ("orthographic",),
     "constraints: all kinds": ("isotropic, blocks", "without lobes", "without holes", "without objects", "without normals"),
-    "rule sum": ("rule mean", "rule rms"), "drift off": ("drift",), "differentials full": ("reduced differentials",),
+    "rule sum": ("rule mean", "rule rms"),
+    "drift off": ("drift",),
+    "differentials full": ("reduced differentials",),
     "step h 0.01 to 0.3": ("h = 0.03", "h = 0.1", "h = 0.3", "h = 0.7", "h 0.001 to 0.1", "h 0.03 to 1"),
-    "large steps 0.2": ("large steps 0.05", "large steps 0.5", "large steps alone"), "evened target": ("target not evened",),
+    "large steps 0.2": ("large steps 0.05", "large steps 0.5", "large steps alone"),
+    "evened target": ("target not evened",),
     "aim from everywhere": ("aim from the light",),
-}  # fmt: skip
+}
 MARGIN = 0.05  # ratios nearer to one than this are within the noise of three seeds
 
 
 def defaults(found: dict[str, Any]) -> list[str]:
     """The section on the defaults: each against the best of its alternatives, in geometric mean over the scenes."""
-    lines = ["## The defaults", "",
-             f"A default stays unless an exact alternative has a lower error at equal time by more than {100 * MARGIN:.0f} %, "
-             "in geometric mean over the scenes that it concerns. `math` stays exact whatever it gains: the tests' guarantees "
-             "go with it.", "",
-             "| default | best alternative | its error over the default's | verdict |", "|---|---|---|---|"]  # fmt: skip
+    lines = [
+        "## The defaults",
+        "",
+        f"A default stays unless an exact alternative has a lower error at equal time by more than {100 * MARGIN:.0f} %, "
+        "in geometric mean over the scenes that it concerns. `math` stays exact whatever it gains: the tests' guarantees "
+        "go with it.",
+        "",
+        "| default | best alternative | its error over the default's | verdict |",
+        "|---|---|---|---|",
+    ]
     for default, options in CHOICES.items():
         ratios = {option: mean_ratio(found, option, "equal_time") for option in options if _rows(found, option)}
         if not ratios:  # none of the scenes measured has a choice here
@@ -246,8 +270,10 @@ def write_page(found: dict[str, Any], folder: Path) -> None:
     marker = "<!-- below: written by hand -->"
     written = page.read_text(encoding="utf-8") if page.exists() else ""
     kept = written.split(marker, 1)[1] if marker in written else "\n"
-    head = ("# The trade of speed for accuracy\n\n`python -m bench.trade` makes this page, its "
-            "[table of all cells](trade/trade.md) and its plots.\n\n")  # fmt: skip
+    head = (
+        "# The trade of speed for accuracy\n\n`python -m bench.trade` makes this page, its "
+        "[table of all cells](trade/trade.md) and its plots.\n\n"
+    )
     page.write_text(head + findings(found) + lean(folder) + "\n" + marker + kept, encoding="utf-8")
 
 
@@ -256,6 +282,8 @@ def lean(folder: Path) -> str:
     table = folder / "lean.md"
     if not table.exists():
         return ""
-    return ("\n## Model only what a scene requires\n\n`python -m bench.lean` builds, for each scene, its own kernel and one "
-            "for everything; and, for the box, its own with one feature more at a time. They draw the same chains.\n\n"
-            "![time per mutation](trade/lean.png)\n\n" + table.read_text(encoding="utf-8"))  # fmt: skip
+    return (
+        "\n## Model only what a scene requires\n\n`python -m bench.lean` builds, for each scene, its own kernel and one "
+        "for everything; and, for the box, its own with one feature more at a time. They draw the same chains.\n\n"
+        "![time per mutation](trade/lean.png)\n\n" + table.read_text(encoding="utf-8")
+    )

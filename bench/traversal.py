@@ -74,8 +74,7 @@ def launcher(tracer: RayTracer, kind: str, origins: np.ndarray, directions: np.n
     """A call that traces the rays from buffers already on the device."""
     context, count = tracer._context, len(origins)
     read = cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR
-    inputs = [cl.Buffer(context, read, hostbuf=part)
-              for part in (origins, directions, np.full(count, t_max, np.float32))]  # fmt: skip
+    inputs = [cl.Buffer(context, read, hostbuf=part) for part in (origins, directions, np.full(count, t_max, np.float32))]
     kernel, results = (tracer._any, 1) if kind == "any hit" else (tracer._closest, 4)
     outputs = [cl.Buffer(context, cl.mem_flags.WRITE_ONLY, 4 * count) for _ in range(results)]
     size = -(-count // LOCAL_SIZE) * LOCAL_SIZE
@@ -108,8 +107,10 @@ def main() -> None:
     vertices, faces = blobs(options.large)
     begin = time.perf_counter()
     tree = bvh.build(vertices, faces, options.width)
-    print(f"{len(faces)} triangles, built in {time.perf_counter() - begin:.2f} s: {len(tree.nodes)} nodes, "
-          f"{len(tree.leaves)} leaves, depth {tree.depth}, {tree.defines()}")  # fmt: skip
+    print(
+        f"{len(faces)} triangles, built in {time.perf_counter() - begin:.2f} s: {len(tree.nodes)} nodes, "
+        f"{len(tree.leaves)} leaves, depth {tree.depth}, {tree.defines()}"
+    )
     tracer = RayTracer(vertices, faces, options.device, width=options.width)
     print(f"on {tracer.device.name.strip()}, one core, {options.rays} rays, medians of {options.repeats}, Mrays/s")
     embree = EmbreeScene(robust=False) if EmbreeScene else None

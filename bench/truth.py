@@ -60,27 +60,38 @@ def row_of(scene: Description, integrator: str, verdict: Verdict) -> dict[str, A
     return {"scene": scene.name, "about": scene.about, "depth": scene.depth, "integrator": integrator, **verdict.summary()}
 
 
-HEADER = ("| scene | segments | integrator | least p of pixels | of tiles | of the film | mean over Mitsuba's | agrees |\n"
-          "|---|---|---|---|---|---|---|---|")  # fmt: skip
+HEADER = (
+    "| scene | segments | integrator | least p of pixels | of tiles | of the film | mean over Mitsuba's | agrees |\n"
+    "|---|---|---|---|---|---|---|---|"
+)
 
 
 def line(row: dict[str, Any]) -> str:
     """A row of the table in Markdown."""
     p = row["least_p"]
     agrees = "yes" if row["passed"] else "**no**"
-    return (f"| {row['scene']}: {row['about']} | {row['depth']} | {row['integrator']} | {p['pixels']:.1e} | {p['tiles']:.1e} "
-            f"| {p['film']:.1e} | {row['ratio']:.4f} ± {row['ratio_error']:.4f} | {agrees} |")  # fmt: skip
+    return (
+        f"| {row['scene']}: {row['about']} | {row['depth']} | {row['integrator']} | {p['pixels']:.1e} | {p['tiles']:.1e} "
+        f"| {p['film']:.1e} | {row['ratio']:.4f} ± {row['ratio_error']:.4f} | {agrees} |"
+    )
 
 
 def caption(rows: list[dict[str, Any]], runs: int, size: int, seconds: float) -> str:
     """What the table's numbers mean, for the reader of the page."""
     first = rows[0]
-    levels = ", ".join(f"{first['threshold'][level]:.1e} for each of {first['tests'][level]} {label}" for level, label in (
-        ("pixels", f"values ({size} x {size} pixels, three channels)"), ("tiles", "tiles' values"),
-        ("film", "values of the whole film")))  # fmt: skip
-    return (f"{runs} independent runs of each renderer, {seconds:g} s for all of them; Welch's t-test. All {len(rows)} "
-            f"comparisons together fail with probability {first['alpha']:g} if nothing is wrong (Šidák): a p-value counts "
-            f"below {levels}.")  # fmt: skip
+    levels = ", ".join(
+        f"{first['threshold'][level]:.1e} for each of {first['tests'][level]} {label}"
+        for level, label in (
+            ("pixels", f"values ({size} x {size} pixels, three channels)"),
+            ("tiles", "tiles' values"),
+            ("film", "values of the whole film"),
+        )
+    )
+    return (
+        f"{runs} independent runs of each renderer, {seconds:g} s for all of them; Welch's t-test. All {len(rows)} "
+        f"comparisons together fail with probability {first['alpha']:g} if nothing is wrong (Šidák): a p-value counts "
+        f"below {levels}."
+    )
 
 
 def luminance_t(ours: Runs, theirs: Runs) -> np.ndarray:
@@ -94,16 +105,22 @@ def luminance_t(ours: Runs, theirs: Runs) -> np.ndarray:
 def draw(pictures: dict[str, dict[str, Runs]], file: Path) -> None:
     """The contact sheet."""
     columns = ["Mitsuba 3", *(f"pylmc {name}" for name in INTEGRATORS), *(f"{name} − Mitsuba" for name in INTEGRATORS)]
-    figure, axes = pyplot.subplots(len(pictures), len(columns), figsize=(1.5 * len(columns) + 0.9, 1.53 * len(pictures) + 0.3),
-                                   squeeze=False, layout="constrained")  # fmt: skip
+    figure, axes = pyplot.subplots(
+        len(pictures),
+        len(columns),
+        figsize=(1.5 * len(columns) + 0.9, 1.53 * len(pictures) + 0.3),
+        squeeze=False,
+        layout="constrained",
+    )
     shown = None
     for row, (name, runs) in zip(axes, pictures.items(), strict=True):
         exposed = exposure(runs["mitsuba"].mean(axis=0))
         for axis, which in zip(row, ("mitsuba", *INTEGRATORS), strict=False):
             axis.imshow(tonemap(runs[which].mean(axis=0), exposed), interpolation="nearest")
         for axis, which in zip(row[1 + len(INTEGRATORS) :], INTEGRATORS, strict=True):
-            shown = axis.imshow(luminance_t(runs[which], runs["mitsuba"]), cmap="RdBu_r", vmin=-END, vmax=END,
-                                interpolation="nearest")  # fmt: skip
+            shown = axis.imshow(
+                luminance_t(runs[which], runs["mitsuba"]), cmap="RdBu_r", vmin=-END, vmax=END, interpolation="nearest"
+            )
         row[0].set_ylabel(name, fontsize=8)
         for axis in row:
             axis.set_xticks([])

@@ -39,13 +39,26 @@ def measure_unit_jacobian(device: Any = None) -> list[dict[str, float]]:
         scene = glossy_box(alpha)
         counts = {}
         for chart in ("orthographic", "orthographic-unit"):
-            sampler = Sampler(scene, device=device, chart=chart, coordinates="deviation", large_steps=0.0, max_depth=3,
-                              step=(0.3, 1.0), even=False)  # fmt: skip
+            sampler = Sampler(
+                scene,
+                device=device,
+                chart=chart,
+                coordinates="deviation",
+                large_steps=0.0,
+                max_depth=3,
+                step=(0.3, 1.0),
+                even=False,
+            )
             counts[chart] = [_film_cells(sampler, seed) for seed in range(RUNS)]
         truth = np.mean(counts["orthographic"], axis=0)
         half = np.mean(counts["orthographic"][RUNS // 2 :], axis=0)
-        rows.append({"alpha": alpha, "unit": _deviation(counts["orthographic-unit"], truth),
-                     "exact": _deviation(counts["orthographic"][: RUNS // 2], half)})  # fmt: skip
+        rows.append(
+            {
+                "alpha": alpha,
+                "unit": _deviation(counts["orthographic-unit"], truth),
+                "exact": _deviation(counts["orthographic"][: RUNS // 2], half),
+            }
+        )
         print(f"roughness {alpha:g}: unit Jacobian {rows[-1]['unit']:.3f}, exact {rows[-1]['exact']:.3f}", flush=True)
     return rows
 

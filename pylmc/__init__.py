@@ -32,9 +32,26 @@ if TYPE_CHECKING:
     __version__: str
 
 __all__ = [
-    "Aperture", "Camera", "Diffuse", "MetallicRoughness", "PointLight", "PylmcError", "PylmcWarning", "RayTracer", "Render",
-    "RoughConductor", "RoughDielectric", "Sampler", "Scene", "Shape", "States", "Texture", "info", "load", "render",
-]  # fmt: skip
+    "Aperture",
+    "Camera",
+    "Diffuse",
+    "MetallicRoughness",
+    "PointLight",
+    "PylmcError",
+    "PylmcWarning",
+    "RayTracer",
+    "Render",
+    "RoughConductor",
+    "RoughDielectric",
+    "Sampler",
+    "Scene",
+    "Shape",
+    "States",
+    "Texture",
+    "info",
+    "load",
+    "render",
+]
 
 _HOME = {
     "errors": ("PylmcError", "PylmcWarning"),
@@ -42,10 +59,21 @@ _HOME = {
     "scene.loading": ("load",),
     "device.raytracer": ("RayTracer",),
     "rendering": ("Render", "render"),
-    "sampling.sampler": ("Sampler",), "sampling.states": ("States",),
-    "scene": ("Aperture", "Camera", "Diffuse", "MetallicRoughness", "PointLight", "RoughConductor", "RoughDielectric",
-              "Scene", "Shape", "Texture"),
-}  # fmt: skip
+    "sampling.sampler": ("Sampler",),
+    "sampling.states": ("States",),
+    "scene": (
+        "Aperture",
+        "Camera",
+        "Diffuse",
+        "MetallicRoughness",
+        "PointLight",
+        "RoughConductor",
+        "RoughDielectric",
+        "Scene",
+        "Shape",
+        "Texture",
+    ),
+}
 _MODULE_OF = {name: module for module, names in _HOME.items() for name in names}
 
 

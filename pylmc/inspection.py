@@ -26,8 +26,11 @@ def info(scene: Scene, precision: str = "single", **settings: Any) -> str:
     plan, features = compiled.plan, compiled.features
     camera = scene.camera
     low = 2 if compiled.endings == (0,) else 1
-    lobes = [name for name, flag in (("diffuse", "HAS_DIFFUSE"), ("GGX", "HAS_GLOSSY"), ("refraction", "HAS_TRANSMIT"))
-             if features[flag]]  # fmt: skip
+    lobes = [
+        name
+        for name, flag in (("diffuse", "HAS_DIFFUSE"), ("GGX", "HAS_GLOSSY"), ("refraction", "HAS_TRANSMIT"))
+        if features[flag]
+    ]
     triangles = len(compiled.arrays["faces"])
     lines = [
         f"film          {camera.width} x {camera.height}, vertical field of view {camera.fov:g} degrees",
@@ -48,8 +51,11 @@ def info(scene: Scene, precision: str = "single", **settings: Any) -> str:
         sizes = ", ".join("x".join(f"{2 * h:.3g}" for h in a.half_size) for a in plan.apertures[:6])
         lines.append(f"  holes       {len(plan.apertures)} aperture(s) of at most {MAX_APERTURES}, sizes {sizes}")
     if plan.small_objects:
-        halves = [item.half_extents for item, w in zip(compiled.objects, plan.object_weights, strict=True)
-                  if np.any(w > 0) and not scene.shapes[item.shape].emission]  # fmt: skip
+        halves = [
+            item.half_extents
+            for item, w in zip(compiled.objects, plan.object_weights, strict=True)
+            if np.any(w > 0) and not scene.shapes[item.shape].emission
+        ]
         sizes = ", ".join("x".join(f"{2 * h:.2g}" for h in half) for half in halves[:6])
         more = ", ..." if len(halves) > 6 else ""
         lines.append(f"  objects     {plan.small_objects} small object(s), sizes {sizes}{more}")
@@ -58,8 +64,11 @@ def info(scene: Scene, precision: str = "single", **settings: Any) -> str:
     if plan.curved_shapes:
         lines.append(f"  normals     {plan.curved_shapes} shape(s) with smooth normals")
     aimed = len(plan.apertures) + len(plan.aimed_objects)
-    lines.append(f"aimed at      {len(plan.apertures)} aperture(s), {len(plan.aimed_objects)} small object(s)" if aimed
-                 else "aimed at      nothing")  # fmt: skip
+    lines.append(
+        f"aimed at      {len(plan.apertures)} aperture(s), {len(plan.aimed_objects)} small object(s)"
+        if aimed
+        else "aimed at      nothing"
+    )
     lines.append("left out")
     lines += [f"  {reason}" for reason in _left_out(scene, plan, features, chosen)]
     lines.append("compiled in   " + ", ".join(sorted(k for k, v in features.items() if k.startswith("HAS_") and v)))

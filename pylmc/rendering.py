@@ -56,8 +56,13 @@ class Render:
         except OSError as error:
             raise PylmcError(f"{target.parent}: cannot make this folder: {error.strerror}") from None
         d = self.diagnostics
-        metadata = {"seed": d["seed"], "configuration": json.dumps(d["configuration"]), "device": d["device"],
-                    "normalisation": d.get("b", "none"), "versions": json.dumps(d["versions"])}  # fmt: skip
+        metadata = {
+            "seed": d["seed"],
+            "configuration": json.dumps(d["configuration"]),
+            "device": d["device"],
+            "normalisation": d.get("b", "none"),
+            "versions": json.dumps(d["versions"]),
+        }
         write_exr(target, self.image, metadata)
         write_png(target.with_suffix(".png"), self.image)
         try:
@@ -117,8 +122,17 @@ def render(
     seed = check_integer("seed", seed, 0, 2**32 - 1)
     if seconds is None and mutations_per_pixel is None:
         seconds = DEFAULT_SECONDS
-    sampler = Sampler(scene, device=device, precision=precision, max_depth=max_depth, chart=chart, coordinates=coordinates,
-                      rule=rule, drift=drift, **settings)  # fmt: skip
+    sampler = Sampler(
+        scene,
+        device=device,
+        precision=precision,
+        max_depth=max_depth,
+        chart=chart,
+        coordinates=coordinates,
+        rule=rule,
+        drift=drift,
+        **settings,
+    )
     kinds: dict[str, Any] = {"lmc": LangevinMonteCarlo, "bdpt": Bidirectional, "path": PathTracer}
     worker: Integrator = kinds[integrator](sampler)
     with _gentle_interrupt() as asked:
@@ -128,21 +142,35 @@ def render(
         _run(worker, seconds, work, progress, asked)
     image = worker.image()
     if worker.done and not np.any(image):
-        warnings.warn(f"the picture is black, though the scene has light paths: integrator '{integrator}' met none of them; "
-                      "give it more time, or use integrator 'lmc'", PylmcWarning, stacklevel=2)  # fmt: skip
+        warnings.warn(
+            f"the picture is black, though the scene has light paths: integrator '{integrator}' met none of them; "
+            "give it more time, or use integrator 'lmc'",
+            PylmcWarning,
+            stacklevel=2,
+        )
     variance = worker.variance()
     run = worker.seconds["run"]
     diagnostics = {
-        "scene_shapes": len(scene.shapes), "size": [scene.camera.width, scene.camera.height], "integrator": integrator,
-        "seed": seed, "device": sampler.device_scene.device.name.strip(),
+        "scene_shapes": len(scene.shapes),
+        "size": [scene.camera.width, scene.camera.height],
+        "integrator": integrator,
+        "seed": seed,
+        "device": sampler.device_scene.device.name.strip(),
         "configuration": asdict(sampler.settings) | {"integrator": integrator, "precision": precision},
-        "versions": _versions(), "interrupted": asked.is_set(), worker.unit: worker.done,
+        "versions": _versions(),
+        "interrupted": asked.is_set(),
+        worker.unit: worker.done,
         f"{worker.unit}_per_second": worker.done / run if run else 0.0,
         **worker.diagnostics(),
-        "mean_luminance": float((image @ LUMINANCE).mean()), "relative_error": relative_error(image, variance),
-        "seconds": {"build": worker.seconds["build"], "compile": sampler.compile_seconds,
-                    "bootstrap": worker.seconds["bootstrap"], "run": run},
-    }  # fmt: skip
+        "mean_luminance": float((image @ LUMINANCE).mean()),
+        "relative_error": relative_error(image, variance),
+        "seconds": {
+            "build": worker.seconds["build"],
+            "compile": sampler.compile_seconds,
+            "bootstrap": worker.seconds["bootstrap"],
+            "run": run,
+        },
+    }
     diagnostics["rays_per_second"] = diagnostics["rays"] / run if run else 0.0
     if diagnostics.get("ess"):
         diagnostics["ess_per_second"] = diagnostics["ess"] / run
@@ -155,11 +183,19 @@ def _warn_of_range(image: np.ndarray) -> None:
     """A picture is float32: say so where its radiance is beyond that, above or below."""
     kind, brightest = np.finfo(np.float32), float(np.max(image, initial=0.0))
     if brightest > kind.max:
-        warnings.warn(f"radiance up to {brightest:.3g} is more than a picture holds ({kind.max:.3g}) and is cut off there: "
-                      "give the lights less power", PylmcWarning, stacklevel=3)  # fmt: skip
+        warnings.warn(
+            f"radiance up to {brightest:.3g} is more than a picture holds ({kind.max:.3g}) and is cut off there: "
+            "give the lights less power",
+            PylmcWarning,
+            stacklevel=3,
+        )
     elif 0 < brightest < 1000 * kind.tiny:  # a picture's dark parts are a thousandth of its bright ones
-        warnings.warn(f"radiance of at most {brightest:.3g} is too dim for a picture, whose numbers end at {kind.tiny:.3g}: "
-                      "give the lights more power", PylmcWarning, stacklevel=3)  # fmt: skip
+        warnings.warn(
+            f"radiance of at most {brightest:.3g} is too dim for a picture, whose numbers end at {kind.tiny:.3g}: "
+            "give the lights more power",
+            PylmcWarning,
+            stacklevel=3,
+        )
 
 
 def _check_budget(seconds: float | None, mutations_per_pixel: float | None) -> None:
@@ -198,5 +234,9 @@ def _run(worker: Integrator, seconds: float | None, work: float | None, progress
 def _versions() -> dict[str, str]:
     from . import __version__
 
-    return {"pylmc": __version__, "python": platform.python_version(), "numpy": np.__version__,
-            "pyopencl": pyopencl.VERSION_TEXT}  # fmt: skip
+    return {
+        "pylmc": __version__,
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "pyopencl": pyopencl.VERSION_TEXT,
+    }

@@ -60,8 +60,15 @@ class Settings:
     math: str = "exact"
 
     def __post_init__(self) -> None:
-        choices = (("chart", CHARTS), ("coordinates", COORDINATES), ("rule", RULES), ("projection", PROJECTIONS),
-                   ("aim", AIMS), ("differentials", DIFFERENTIALS), ("math", MATHS))  # fmt: skip
+        choices = (
+            ("chart", CHARTS),
+            ("coordinates", COORDINATES),
+            ("rule", RULES),
+            ("projection", PROJECTIONS),
+            ("aim", AIMS),
+            ("differentials", DIFFERENTIALS),
+            ("math", MATHS),
+        )
         for name, allowed in choices:
             check_choice(name, getattr(self, name), allowed)
         checked: dict[str, Any] = {
@@ -102,4 +109,3 @@ class Settings:
     def names(cls) -> tuple[str, ...]:
         """The names of all settings."""
         return tuple(field.name for field in fields(cls))
-

@@ -128,8 +128,17 @@ def apt_install() -> None:
             raise Failed("not root, and sudo asks for a password") from None
         prefix = ["sudo", "-n"]
     say(f"installing Debian's {PACKAGE} (apt-get install)")
-    install = [*prefix, "env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "install", "-y", "-q",
-               "--no-install-recommends", PACKAGE]  # fmt: skip
+    install = [
+        *prefix,
+        "env",
+        "DEBIAN_FRONTEND=noninteractive",
+        "apt-get",
+        "install",
+        "-y",
+        "-q",
+        "--no-install-recommends",
+        PACKAGE,
+    ]
     try:
         quiet(*install)
     except Failed:

@@ -20,10 +20,10 @@
 
 typedef struct {
     int kind;
-    real3 anchor;   // c; or the reference direction s; or v_1
-    real3 e1, e2;   // the plane's axes; or p, q
-    real3 normal;   // of the plane
-    real2 omega;    // the deviation as it is
+    real3 anchor;  // c; or the reference direction s; or v_1
+    real3 e1, e2;  // the plane's axes; or p, q
+    real3 normal;  // of the plane
+    real2 omega;   // the deviation as it is
 } Chart;
 
 int direction_kind(const Scene *scene, const Path *path, int j, real3 x, real3 *crossing) {

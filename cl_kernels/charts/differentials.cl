@@ -13,12 +13,26 @@
 #define COLUMNS (LANES * COLUMN_BLOCKS)
 
 // A three-vector for each of eight coordinates.
-typedef struct { real8 x, y, z; } Tangent;
+typedef struct {
+    real8 x, y, z;
+} Tangent;
 
-Tangent tangent_scaled(real3 a, real8 s) { Tangent r = {a.x * s, a.y * s, a.z * s}; return r; }
-Tangent tangent_times(Tangent a, real8 s) { Tangent r = {a.x * s, a.y * s, a.z * s}; return r; }
-Tangent tangent_add(Tangent a, Tangent b) { Tangent r = {a.x + b.x, a.y + b.y, a.z + b.z}; return r; }
-Tangent tangent_sub(Tangent a, Tangent b) { Tangent r = {a.x - b.x, a.y - b.y, a.z - b.z}; return r; }
+Tangent tangent_scaled(real3 a, real8 s) {
+    Tangent r = {a.x * s, a.y * s, a.z * s};
+    return r;
+}
+Tangent tangent_times(Tangent a, real8 s) {
+    Tangent r = {a.x * s, a.y * s, a.z * s};
+    return r;
+}
+Tangent tangent_add(Tangent a, Tangent b) {
+    Tangent r = {a.x + b.x, a.y + b.y, a.z + b.z};
+    return r;
+}
+Tangent tangent_sub(Tangent a, Tangent b) {
+    Tangent r = {a.x - b.x, a.y - b.y, a.z - b.z};
+    return r;
+}
 real8 tangent_dot(real3 a, Tangent b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 Tangent tangent_cross(real3 a, Tangent b) {
     Tangent r = {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -32,14 +46,18 @@ real8 column_unit(int block, int column) {
 }
 
 // How the shading normal turns as the node moves: dn = a (ga.dx) + b (gb.dx); all zero on flat faces.
-typedef struct { real3 a, b, ga, gb; bool flat; } Curvature;
+typedef struct {
+    real3 a, b, ga, gb;
+    bool flat;
+} Curvature;
 
 Curvature curvature_at(const Scene *scene, const Vertex *vertex) {
     Curvature curvature;
     curvature.flat = true;
 #if HAS_SMOOTH && !DIFFERENTIALS_REDUCED
     if (scene->triangles[vertex->triangle].smooth) {
-        int i0 = scene->faces[3 * vertex->triangle], i1 = scene->faces[3 * vertex->triangle + 1], i2 = scene->faces[3 * vertex->triangle + 2];
+        int i0 = scene->faces[3 * vertex->triangle], i1 = scene->faces[3 * vertex->triangle + 1],
+            i2 = scene->faces[3 * vertex->triangle + 2];
         real3 p0 = load3(scene->vertices, i0), e1 = load3(scene->vertices, i1) - p0, e2 = load3(scene->vertices, i2) - p0;
         real3 n0 = load3(scene->normals, i0), n1 = load3(scene->normals, i1), n2 = load3(scene->normals, i2);
         real3 sum = (1.0 - vertex->bu - vertex->bv) * n0 + vertex->bu * n1 + vertex->bv * n2;
@@ -59,7 +77,8 @@ Curvature curvature_at(const Scene *scene, const Vertex *vertex) {
 
 Tangent normal_tangent(const Curvature *curvature, Tangent dx) {
     if (curvature->flat) return tangent_scaled((real3)(0.0), (real8)(0.0));
-    return tangent_add(tangent_scaled(curvature->a, tangent_dot(curvature->ga, dx)), tangent_scaled(curvature->b, tangent_dot(curvature->gb, dx)));
+    return tangent_add(tangent_scaled(curvature->a, tangent_dot(curvature->ga, dx)),
+                       tangent_scaled(curvature->b, tangent_dot(curvature->gb, dx)));
 }
 
 // d of the reflection of w about n.
@@ -81,12 +100,14 @@ Tangent reference_tangent(const Scene *scene, const Vertex *vertex, Tangent dv, 
         real8 dci = -(tangent_dot(n, dv) + tangent_dot(vertex->v, dn));
         if (ct2 <= 0.0) {  // total reflection: s runs along the surface
             real3 along = eta * vertex->v + eta * ci * n;
-            Tangent d = tangent_add(tangent_add(tangent_times(dv, (real8)(eta)), tangent_scaled(n, eta * dci)), tangent_times(dn, (real8)(eta * ci)));
+            Tangent d = tangent_add(tangent_add(tangent_times(dv, (real8)(eta)), tangent_scaled(n, eta * dci)),
+                                    tangent_times(dn, (real8)(eta * ci)));
             return tangent_times(tangent_across(normalize(along), d), (real8)(rsqrt(fmax(length2(along), 1e-12))));
         }
         real ct = sqrt(fmax(ct2, 1e-4));
         real8 dct = eta * eta * ci / ct * dci;
-        return tangent_add(tangent_add(tangent_times(dv, (real8)(eta)), tangent_scaled(n, eta * dci - dct)), tangent_times(dn, (real8)(eta * ci - ct)));
+        return tangent_add(tangent_add(tangent_times(dv, (real8)(eta)), tangent_scaled(n, eta * dci - dct)),
+                           tangent_times(dn, (real8)(eta * ci - ct)));
     }
 #endif
     return reflection_tangent(vertex->v, n, dv, dn);
@@ -105,7 +126,8 @@ Tangent frame_tangent(const Vertex *vertex, real3 p, real3 s, Tangent dp, Tangen
     if (vertex->lobe == LOBE_TRANSMIT) return rotation_tangent(p, vertex->v, s, dp, dv, ds);
     Tangent reflected = reflection_tangent(p, vertex->ns, dp, dn);
     if (vertex->lobe != LOBE_DIFFUSE) return reflected;
-    return rotation_tangent(reflect_about(p, vertex->ns), reflect_about(vertex->v, vertex->ns), s, reflected, reflection_tangent(vertex->v, vertex->ns, dv, dn), ds);
+    return rotation_tangent(reflect_about(p, vertex->ns), reflect_about(vertex->v, vertex->ns), s, reflected,
+                            reflection_tangent(vertex->v, vertex->ns, dv, dn), ds);
 }
 
 // dv of a direction with a target chart, its node x moving by dx: aim at c + delta.

@@ -38,7 +38,8 @@ void constrain_free_lobe(const Scene *scene, const Vertex *vertex, const Chart *
     real3 inward, sideways;
     real2 width;
     lobe_axes(scene, vertex, chart->anchor, &inward, &sideways, &width);
-    real2 axes[2] = {(real2)(dot(inward, chart->e1), dot(inward, chart->e2)), (real2)(dot(sideways, chart->e1), dot(sideways, chart->e2))};
+    real2 axes[2] = {(real2)(dot(inward, chart->e1), dot(inward, chart->e2)),
+                     (real2)(dot(sideways, chart->e1), dot(sideways, chart->e2))};
     real widths[2] = {width.x, width.y};
     for (int r = 0; r < 2; r++) {
         Row row;
@@ -51,7 +52,8 @@ void constrain_free_lobe(const Scene *scene, const Vertex *vertex, const Chart *
 }
 
 // A lobe whose deviation depends on the coordinates (15), (16): domega is d(v - s).
-void constrain_dependent_lobe(const Scene *scene, const Vertex *vertex, real3 s, const Tangent *domega, int blocks, Factor *factor) {
+void constrain_dependent_lobe(const Scene *scene, const Vertex *vertex, real3 s, const Tangent *domega, int blocks,
+                              Factor *factor) {
 #if USE_LOBES
     real3 inward, sideways;
     real2 width;
@@ -101,7 +103,8 @@ void constrain_normal(const Vertex *vertex, const Curvature *curvature, const Ta
 
 // The segment from x to next stays in each aperture that it passes (11), (20); dx0 and dx1 are its ends' tangents. `skip`
 // is the aperture whose own chart the direction takes: there the constraint is a unit block, added by constrain_direction.
-void constrain_apertures(const Scene *scene, real3 x, const Vertex *next, const Tangent *dx0, const Tangent *dx1, int skip, int blocks, Factor *factor) {
+void constrain_apertures(const Scene *scene, real3 x, const Vertex *next, const Tangent *dx0, const Tangent *dx1, int skip,
+                         int blocks, Factor *factor) {
 #if NUM_APERTURES > 0 && USE_HOLES
     for (int i = 0; i < NUM_APERTURES; i++) {
         real3 point;

@@ -15,7 +15,9 @@ typedef struct {
 } Factor;
 
 // A row over all coordinates: one function of the path, differentiated, divided by its width q.
-typedef struct { real8 block[COLUMN_BLOCKS]; } Row;
+typedef struct {
+    real8 block[COLUMN_BLOCKS];
+} Row;
 
 real row_entry(const Row *row, int k) { return real8_at(row->block, k); }
 real factor_entry(const Factor *factor, int i, int k) { return real8_at(factor->column[k], i); }

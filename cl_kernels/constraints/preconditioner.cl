@@ -12,7 +12,8 @@
 #define NEEDS_TANGENTS (USE_LOBES || USE_HOLES || USE_OBJECTS || USE_NORMALS || DRIFT)
 
 // The sweep: constraints (and the gradient) that depend on how the path moves. p is the frame at v_1.
-void add_moving_constraints(const Scene *scene, const Path *path, int m, real3 p, const Chart *charts, Factor *factor, Row *gradient) {
+void add_moving_constraints(const Scene *scene, const Path *path, int m, real3 p, const Chart *charts, Factor *factor,
+                            Row *gradient) {
     int blocks = (factor->n + LANES - 1) / LANES;
     Tangent zero = tangent_scaled((real3)(0.0), (real8)(0.0));
     Tangent dx[COLUMN_BLOCKS], dv[COLUMN_BLOCKS], dn[COLUMN_BLOCKS];
@@ -24,7 +25,8 @@ void add_moving_constraints(const Scene *scene, const Path *path, int m, real3 p
     // the frame is needed up to the last deviation of the block, or not at all
     Tangent dp[COLUMN_BLOCKS];
     int last_deviation = 0;
-    for (int j = 2; j <= m; j++) if (charts[j].kind == KIND_DEVIATION) last_deviation = j;
+    for (int j = 2; j <= m; j++)
+        if (charts[j].kind == KIND_DEVIATION) last_deviation = j;
 #endif
     real3 x = vec3(scene->camera->origin);
     for (int j = 1; j <= m; j++) {
@@ -49,8 +51,10 @@ void add_moving_constraints(const Scene *scene, const Path *path, int m, real3 p
                 ds = reference_tangent(scene, here, dv[b], dn[b]);
                 dp_s = DIFFERENTIALS_REDUCED ? zero : frame_tangent(here, arriving_p, s, dp[b], dv[b], dn[b], ds);
             }
-            if (chart->kind == KIND_DEVIATION) dv[b] = deviation_tangent(chart, ds, dp_s, unit1, unit2);
-            else if (chart->kind == KIND_PROJECTION) dv[b] = tangent_add(tangent_scaled(chart->e1, unit1), tangent_scaled(chart->e2, unit2));
+            if (chart->kind == KIND_DEVIATION)
+                dv[b] = deviation_tangent(chart, ds, dp_s, unit1, unit2);
+            else if (chart->kind == KIND_PROJECTION)
+                dv[b] = tangent_add(tangent_scaled(chart->e1, unit1), tangent_scaled(chart->e2, unit2));
             else
 #endif
                 dv[b] = aimed_tangent(chart, x, next->v, dx[b], unit1, unit2);
@@ -65,17 +69,21 @@ void add_moving_constraints(const Scene *scene, const Path *path, int m, real3 p
 #if DRIFT
 #if CHART == CHART_ORTHOGRAPHIC
             if (chart->kind == KIND_DEVIATION)
-                gradient->block[b] += (chart->omega.x * unit1 + chart->omega.y * unit2) / fmax(1.0 - dot(chart->omega, chart->omega), 1e-6);
+                gradient->block[b] +=
+                    (chart->omega.x * unit1 + chart->omega.y * unit2) / fmax(1.0 - dot(chart->omega, chart->omega), 1e-6);
 #endif
             if (chart->kind >= KIND_NODE) {
-                Tangent moved = tangent_sub(tangent_add(tangent_scaled(chart->e1, unit1), tangent_scaled(chart->e2, unit2)), dx0[b]);
+                Tangent moved =
+                    tangent_sub(tangent_add(tangent_scaled(chart->e1, unit1), tangent_scaled(chart->e2, unit2)), dx0[b]);
                 gradient_add_target(chart->normal, next->v, distance(chart->anchor, x), b, dv[b], moved, gradient);
             }
 #endif
         }
 #if DRIFT
-        if (j == 1) gradient_add_camera(scene, next->v, dv, blocks, gradient);
-        else gradient_add_lobe(scene, here, next->v, dv_in, dv, dn, blocks, gradient);
+        if (j == 1)
+            gradient_add_camera(scene, next->v, dv, blocks, gradient);
+        else
+            gradient_add_lobe(scene, here, next->v, dv_in, dv, dn, blocks, gradient);
 #endif
 #if HAS_DEVIATION
         if (j > 1 && with_frame) p = rotate_minimal(p, s, next->v);

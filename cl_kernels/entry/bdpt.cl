@@ -4,8 +4,9 @@
 
 #define PURPOSE_BDPT 2u
 
-PATH_KERNEL void render_independent(SCENE_PARAMETERS, uint seed, ulong first_step, int steps, uint streams, __global const ChainStart *groups,
-                                 __global ChainCounters *counters, __global volatile uint *film, int film_pixels) {
+PATH_KERNEL void render_independent(SCENE_PARAMETERS, uint seed, ulong first_step, int steps, uint streams,
+                                    __global const ChainStart *groups, __global ChainCounters *counters,
+                                    __global volatile uint *film, int film_pixels) {
     uint index = get_global_id(0);
     if (index >= streams) return;
     Scene scene = SCENE_BUNDLE;

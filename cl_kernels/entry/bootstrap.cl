@@ -5,7 +5,8 @@
 #define PURPOSE_BOOTSTRAP 0u
 
 // log(I / p_ind); LOG_ZERO where the draw comes to nothing, NaN where a density of a path that was drawn is not a number.
-real log_path_weight(Scene *scene, uint seed, uint group, uint number, int length, int ending, Path *path, Radiance *radiance, real *log_p) {
+real log_path_weight(Scene *scene, uint seed, uint group, uint number, int length, int ending, Path *path, Radiance *radiance,
+                     real *log_p) {
     Rng rng = rng_open(seed, number, group, PURPOSE_BOOTSTRAP);
     if (!sample_path(scene, length, ending, &rng, path)) return LOG_ZERO;
     *radiance = integrand(scene, path);
@@ -14,7 +15,8 @@ real log_path_weight(Scene *scene, uint seed, uint group, uint number, int lengt
     return isfinite(weight) ? weight : NAN;
 }
 
-PATH_KERNEL void weigh_candidates(SCENE_PARAMETERS, uint seed, uint group, int length, int ending, uint first, uint count, __global real *log_weights, __global real *positions) {
+PATH_KERNEL void weigh_candidates(SCENE_PARAMETERS, uint seed, uint group, int length, int ending, uint first, uint count,
+                                  __global real *log_weights, __global real *positions) {
     uint index = get_global_id(0);
     if (index >= count) return;
     Scene scene = SCENE_BUNDLE;
@@ -27,7 +29,8 @@ PATH_KERNEL void weigh_candidates(SCENE_PARAMETERS, uint seed, uint group, int l
     vstore2(position, index, positions);
 }
 
-PATH_KERNEL void start_chains(SCENE_PARAMETERS, uint seed, uint chains, __global const ChainStart *starts, __global ChainState *states) {
+PATH_KERNEL void start_chains(SCENE_PARAMETERS, uint seed, uint chains, __global const ChainStart *starts,
+                              __global ChainState *states) {
     uint index = get_global_id(0);
     if (index >= chains) return;
     Scene scene = SCENE_BUNDLE;
@@ -36,7 +39,8 @@ PATH_KERNEL void start_chains(SCENE_PARAMETERS, uint seed, uint chains, __global
     ChainStart start = starts[index];
     __global ChainState *state = &states[index];
     real log_p;
-    bool found = log_path_weight(&scene, seed, start.group, start.number, start.length, start.ending, &path, &radiance, &log_p) > LOG_ZERO;
+    bool found = log_path_weight(&scene, seed, start.group, start.number, start.length, start.ending, &path, &radiance,
+                                 &log_p) > LOG_ZERO;
     // A compiler may round differently here than in weigh_candidates, so that a path on the edge of existence is not found
     // again: its chain starts dark, and leaves by its first large step.
     path.length = start.length;

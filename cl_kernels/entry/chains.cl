@@ -4,8 +4,8 @@
 #include "moves/markov_step.cl"
 
 PATH_KERNEL void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int steps, uint chains, float p_large,
-                            float log_h_min, float log_h_max, __global ChainState *states, __global ChainCounters *counters, __global volatile uint *film,
-                            int film_pixels) {
+                            float log_h_min, float log_h_max, __global ChainState *states, __global ChainCounters *counters,
+                            __global volatile uint *film, int film_pixels) {
     uint index = get_global_id(0);
     if (index >= chains) return;
     Scene scene = SCENE_BUNDLE;

@@ -3,9 +3,10 @@
 #include "moves/markov_step.cl"
 
 // block: how many leading directions; 0: all free ones. A path with a direction out of its chart's reach has no kinds and no L.
-PATH_KERNEL void describe_chains(SCENE_PARAMETERS, uint chains, __global const ChainState *states, int block, __global real *node_out,
-                              __global real *directions, __global real *deviations, __global int *kinds, __global int *lobes,
-                              __global real *densities, __global real *factors, __global real *gradients) {
+PATH_KERNEL void describe_chains(SCENE_PARAMETERS, uint chains, __global const ChainState *states, int block,
+                                 __global real *node_out, __global real *directions, __global real *deviations,
+                                 __global int *kinds, __global int *lobes, __global real *densities, __global real *factors,
+                                 __global real *gradients) {
     uint index = get_global_id(0);
     if (index >= chains) return;
     Scene scene = SCENE_BUNDLE;
@@ -40,13 +41,14 @@ PATH_KERNEL void describe_chains(SCENE_PARAMETERS, uint chains, __global const C
     Row gradient;
     precondition(&scene, &path, m, any_tangent(path.vertex[1].v), charts, &factor, &gradient);
     for (int i = 0; i < factor.n; i++)
-        for (int k = 0; k <= i; k++) factors[((size_t)index * 2 * MAX_DEPTH + i) * 2 * MAX_DEPTH + k] = factor_entry(&factor, i, k);
+        for (int k = 0; k <= i; k++)
+            factors[((size_t)index * 2 * MAX_DEPTH + i) * 2 * MAX_DEPTH + k] = factor_entry(&factor, i, k);
     for (int k = 0; k < factor.n; k++) gradients[(size_t)index * 2 * MAX_DEPTH + k] = row_entry(&gradient, k);
 }
 
 // Move each chain's path by deltas (2 * MAX_DEPTH a chain) and report the new nodes and directions; NaN where there is none.
-PATH_KERNEL void displace_chains(SCENE_PARAMETERS, uint chains, __global const ChainState *states, int block, __global const real *deltas,
-                              __global real *node_out, __global real *directions) {
+PATH_KERNEL void displace_chains(SCENE_PARAMETERS, uint chains, __global const ChainState *states, int block,
+                                 __global const real *deltas, __global real *node_out, __global real *directions) {
     uint index = get_global_id(0);
     if (index >= chains) return;
     Scene scene = SCENE_BUNDLE;
@@ -57,7 +59,8 @@ PATH_KERNEL void displace_chains(SCENE_PARAMETERS, uint chains, __global const C
     Chart charts[MAX_DEPTH + 1];
     real delta[COLUMNS], log_jacobian;
     for (int k = 0; k < 2 * m; k++) delta[k] = deltas[(size_t)index * 2 * MAX_DEPTH + k];
-    bool ok = charts_of_path(&scene, &path, m, p, charts) && displaced_path(&scene, &path, m, delta, charts, p, &p_new, &moved, &log_jacobian);
+    bool ok = charts_of_path(&scene, &path, m, p, charts) &&
+              displaced_path(&scene, &path, m, delta, charts, p, &p_new, &moved, &log_jacobian);
     for (int i = 1; i <= path.length; i++) {
         size_t at = (size_t)index * MAX_DEPTH + i - 1;
         vstore3(ok ? moved.vertex[i].x : (real3)(NAN), at, node_out);
@@ -68,8 +71,9 @@ PATH_KERNEL void displace_chains(SCENE_PARAMETERS, uint chains, __global const C
 // One step of each chain, which stay as they are: what was drawn, proposed and decided. drawn: its move and outcome; numbers:
 // h, log p(X^|X), log p(X|X^), log of the target, acceptance, and the number that it was compared with.
 PATH_KERNEL void try_step(SCENE_PARAMETERS, uint seed, ulong step, uint chains, float p_large, float log_h_min, float log_h_max,
-                          __global const ChainState *states, __global int *drawn, __global real *numbers,
-                          __global real *xi_out, __global real *node_out, __global real *directions, __global int *lobes, __global int *triangles_met) {
+                          __global const ChainState *states, __global int *drawn, __global real *numbers, __global real *xi_out,
+                          __global real *node_out, __global real *directions, __global int *lobes,
+                          __global int *triangles_met) {
     uint index = get_global_id(0);
     if (index >= chains) return;
     Scene scene = SCENE_BUNDLE;

@@ -90,8 +90,8 @@ real3 trace_path(Scene *scene, real3 v, int max_depth, Rng *rng) {
     return radiance;
 }
 
-PATH_KERNEL void render_paths(SCENE_PARAMETERS, uint seed, ulong first_step, int steps, int max_depth, int first_pixel, int pixels,
-                           __global ChainCounters *counters, __global real *film) {
+PATH_KERNEL void render_paths(SCENE_PARAMETERS, uint seed, ulong first_step, int steps, int max_depth, int first_pixel,
+                              int pixels, __global ChainCounters *counters, __global real *film) {
     int index = get_global_id(0);
     if (index >= pixels) return;
     int pixel = first_pixel + index;
@@ -103,8 +103,10 @@ PATH_KERNEL void render_paths(SCENE_PARAMETERS, uint seed, ulong first_step, int
         real x = rng_uniform(&rng), y = rng_uniform(&rng);
         real2 position = (real2)((pixel % width + x) / width, (pixel / width + y) / height);
         real3 radiance = trace_path(&scene, film_direction(&scene, position), max_depth, &rng);
-        if (isfinite(radiance.x + radiance.y + radiance.z)) sum += radiance;
-        else counters[index].not_finite++;
+        if (isfinite(radiance.x + radiance.y + radiance.z))
+            sum += radiance;
+        else
+            counters[index].not_finite++;
     }
     vstore3(vload3(pixel, film) + sum, pixel, film);
     counters[index].rays += scene.rays;

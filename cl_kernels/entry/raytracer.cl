@@ -3,10 +3,10 @@
 #include "trace/traverse.cl"
 
 // The hint keeps Intel's compiler from vectorising across these divergent work-items, six times slower.
-__kernel __attribute__((vec_type_hint(float8)))
-void trace_closest(__global const BvhNode *nodes, __global const BvhLeaf *leaves, const int count,
-                   __global const float *origins, __global const float *directions, __global const float *t_max,
-                   __global float *t, __global int *triangle, __global float *u, __global float *v) {
+__kernel __attribute__((vec_type_hint(float8))) void trace_closest(
+    __global const BvhNode *nodes, __global const BvhLeaf *leaves, const int count, __global const float *origins,
+    __global const float *directions, __global const float *t_max, __global float *t, __global int *triangle, __global float *u,
+    __global float *v) {
     const int i = (int)get_global_id(0);
     if (i >= count) return;
     Hit hit;
@@ -17,10 +17,10 @@ void trace_closest(__global const BvhNode *nodes, __global const BvhLeaf *leaves
     v[i] = found ? hit.v : 0.0f;
 }
 
-__kernel __attribute__((vec_type_hint(float8)))
-void trace_any(__global const BvhNode *nodes, __global const BvhLeaf *leaves, const int count,
-               __global const float *origins, __global const float *directions, __global const float *t_max,
-               __global uchar *occluded) {
+__kernel __attribute__((vec_type_hint(float8))) void trace_any(__global const BvhNode *nodes, __global const BvhLeaf *leaves,
+                                                               const int count, __global const float *origins,
+                                                               __global const float *directions, __global const float *t_max,
+                                                               __global uchar *occluded) {
     const int i = (int)get_global_id(0);
     if (i >= count) return;
     occluded[i] = any_hit(nodes, leaves, vload3(i, origins), vload3(i, directions), t_max[i]);

@@ -10,7 +10,8 @@
 
 #define AIM_FROM_LIGHT 0.5
 #define AIM_FROM_NODE (AIM_EVERYWHERE ? 0.25 : 0.0)
-#define AIM_FROM_CAMERA (AIM_EVERYWHERE ? 0.1 : 0.0)  // a hole that the camera looks through covers few pixels and may be the brightest thing
+#define AIM_FROM_CAMERA \
+    (AIM_EVERYWHERE ? 0.1 : 0.0)  // a hole that the camera looks through covers few pixels and may be the brightest thing
 
 #if NUM_TARGETS > 0
 

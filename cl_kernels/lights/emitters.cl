@@ -24,8 +24,10 @@ void sample_emitter(const Scene *scene, Rng *rng, Vertex *vertex) {
     int low = 0, high = NUM_EMITTER_TRIANGLES - 1;
     while (low < high) {
         int middle = (low + high) / 2;
-        if (u < scene->emitter_cdf[middle]) high = middle;
-        else low = middle + 1;
+        if (u < scene->emitter_cdf[middle])
+            high = middle;
+        else
+            low = middle + 1;
     }
     real root = sqrt(rng_uniform(rng)), share = rng_uniform(rng);
     place_on_triangle(scene, scene->emitter_triangles[low], root * (1.0 - share), root * share, vertex);
@@ -65,7 +67,8 @@ real3 sample_emission(const Scene *scene, const Vertex *emitter, real3 x, Rng *r
     }
     real radius = sqrt(u);
     real3 tangent = any_tangent(emitter->ng);
-    return normalize(radius * cos(angle) * tangent + radius * sin(angle) * cross(emitter->ng, tangent) + sqrt(1.0 - u) * emitter->ng);
+    return normalize(radius * cos(angle) * tangent + radius * sin(angle) * cross(emitter->ng, tangent) +
+                     sqrt(1.0 - u) * emitter->ng);
 }
 
 #endif

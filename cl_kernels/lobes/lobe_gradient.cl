@@ -7,7 +7,9 @@
 
 #include "lobes/lobes.cl"
 
-typedef struct { real3 in, out, normal; } LobeGradient;
+typedef struct {
+    real3 in, out, normal;
+} LobeGradient;
 
 // dLambda / d(cosine) of Smith's Lambda.
 real ggx_lambda_slope(real cosine, real alpha) {

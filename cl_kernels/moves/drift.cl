@@ -12,7 +12,8 @@
 #define DRIFT_LIMIT 1.0
 
 // One node's lobe: arriving direction v (w_i = -v) and leaving direction wo with their tangents.
-void gradient_add_lobe(const Scene *scene, const Vertex *vertex, real3 wo, const Tangent *dv, const Tangent *dwo, const Tangent *dn, int blocks, Row *gradient) {
+void gradient_add_lobe(const Scene *scene, const Vertex *vertex, real3 wo, const Tangent *dv, const Tangent *dwo,
+                       const Tangent *dn, int blocks, Row *gradient) {
     LobeGradient g = lobe_gradient(scene, vertex, -vertex->v, wo);
     for (int b = 0; b < blocks; b++)
         gradient->block[b] += tangent_dot(g.out, dwo[b]) - tangent_dot(g.in, dv[b]) + tangent_dot(g.normal, dn[b]);

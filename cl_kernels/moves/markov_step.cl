@@ -9,15 +9,15 @@
 #define PURPOSE_CHAIN 1u
 
 typedef struct {
-    int move;          // 0: a large step; m: a small one of the block m
-    int outcome;       // STEP_OK, ...
+    int move;     // 0: a large step; m: a small one of the block m
+    int outcome;  // STEP_OK, ...
     real h;
-    real xi[COLUMNS];  // the small step's normal numbers
-    real log_forward;  // log p(X^|X), as propose_small or log_independent_density gives it; NAN without a proposal
-    real log_reverse;  // log p(X|X^)
-    real acceptance;   // its probability
-    real drawn;        // the uniform number that it was compared with; NAN where it is zero
-    Radiance radiance; // of the proposal
+    real xi[COLUMNS];   // the small step's normal numbers
+    real log_forward;   // log p(X^|X), as propose_small or log_independent_density gives it; NAN without a proposal
+    real log_reverse;   // log p(X|X^)
+    real acceptance;    // its probability
+    real drawn;         // the uniform number that it was compared with; NAN where it is zero
+    Radiance radiance;  // of the proposal
 } MarkovStep;
 
 // Not known, of a log density: a finite number, since with math="fast" a compiler may take NaN for impossible.
@@ -27,8 +27,8 @@ bool is_known(real log_density) { return fabs(log_density) < 1e29; }
 bool step_accepted(const MarkovStep *step) { return step->drawn < step->acceptance; }
 
 // Propose y from x and decide. log_p: of x by the independent sampler; UNKNOWN until a large step first needs it.
-void markov_step(Scene *scene, const Path *x, real log_i, real *log_p, float p_large, float log_h_min, float log_h_max, Rng *rng,
-                 Path *y, MarkovStep *step) {
+void markov_step(Scene *scene, const Path *x, real log_i, real *log_p, float p_large, float log_h_min, float log_h_max,
+                 Rng *rng, Path *y, MarkovStep *step) {
     step->move = 0;
     step->outcome = STEP_NO_PATH;
     step->h = NAN;
@@ -52,8 +52,8 @@ void markov_step(Scene *scene, const Path *x, real log_i, real *log_p, float p_l
             step->xi[k] = normal.x;
             step->xi[k + 1] = normal.y;
         }
-        step->outcome = propose_small(scene, x, step->move, step->h, step->xi, y, &step->radiance, &step->log_forward,
-                                      &step->log_reverse);
+        step->outcome =
+            propose_small(scene, x, step->move, step->h, step->xi, y, &step->radiance, &step->log_forward, &step->log_reverse);
     }
     real log_acceptance = -INFINITY;
     if (step->outcome == STEP_OK) log_acceptance = (step->radiance.log_i - log_i) + (step->log_reverse - step->log_forward);

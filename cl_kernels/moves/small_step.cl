@@ -19,12 +19,13 @@
 #endif
 
 #define STEP_OK 0
-#define STEP_NO_PATH 1      // the proposal carries no light
-#define STEP_NOT_FINITE 2   // a density came out as NaN or infinity: rejected, and counted
+#define STEP_NO_PATH 1     // the proposal carries no light
+#define STEP_NOT_FINITE 2  // a density came out as NaN or infinity: rejected, and counted
 
 // Move directions 1 .. m of x by delta and trace; y is the new path. p, p_new: frames at v_1 and v^_1. The sum of the
 // charts' log dsigma/ddelta comes back by pointer.
-bool displaced_path(Scene *scene, const Path *x, int m, const real *delta, const Chart *charts, real3 p, real3 *p_new, Path *y, real *log_jacobian) {
+bool displaced_path(Scene *scene, const Path *x, int m, const real *delta, const Chart *charts, real3 p, real3 *p_new, Path *y,
+                    real *log_jacobian) {
     y->length = x->length;
     y->ending = x->ending;
     y->light = x->light;
@@ -48,7 +49,8 @@ bool displaced_path(Scene *scene, const Path *x, int m, const real *delta, const
             p = *p_new = rotate_minimal(p, x->vertex[1].v, v);
         }
 #if HAS_DEVIATION
-        else p = rotate_minimal(p, s, v);
+        else
+            p = rotate_minimal(p, s, v);
 #endif
         Vertex *next = &y->vertex[j];
         if (!trace_to_vertex(scene, here, v, next)) return false;

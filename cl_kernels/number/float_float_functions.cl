@@ -13,7 +13,7 @@
 
 // e^x: 2^k e^r, |r| <= ln(2) / 2, and e^r - 1 from e^(r/64) - 1 by doubling the exponent six times.
 real ff_exp(real x) {
-    if (!(fabs(x.hi) < 110.0f)) return ff_from_float(exp(x.hi)); // 0, infinity or NaN
+    if (!(fabs(x.hi) < 110.0f)) return ff_from_float(exp(x.hi));  // 0, infinity or NaN
     float k = rint(x.hi * 1.442695f);
     real r = ff_sub(ff_sub(x, ff_finish(0.0f, k * FF_LN2_HIGH, k * FF_LN2_MIDDLE)), ff_from_float(k * FF_LN2_LOW));
     r = ff_make(0.015625f * r.hi, 0.015625f * r.lo);
@@ -92,12 +92,12 @@ real ff_cos(real x) {
 }
 
 // Components: read, and replaced.
-#define FF_COMPONENT(T, P, C)                                                                                          \
-    real P##_##C(T v) { return ff_make(v.hi.C, v.lo.C); }                                                              \
-    T P##_with_##C(T v, real x) {                                                                                      \
-        v.hi.C = x.hi;                                                                                                 \
-        v.lo.C = x.lo;                                                                                                 \
-        return v;                                                                                                      \
+#define FF_COMPONENT(T, P, C)                             \
+    real P##_##C(T v) { return ff_make(v.hi.C, v.lo.C); } \
+    T P##_with_##C(T v, real x) {                         \
+        v.hi.C = x.hi;                                    \
+        v.lo.C = x.lo;                                    \
+        return v;                                         \
     }
 FF_COMPONENT(real2, ff2, x)
 FF_COMPONENT(real2, ff2, y)
@@ -143,17 +143,17 @@ real ff3_length(real3 v) {
 real ff3_distance(real3 a, real3 b) { return ff3_length(ff3_sub(a, b)); }
 
 // vload and vstore, by address space.
-#define FF_MEMORY(SPACE, NAME)                                                                                         \
-    real2 ff2_vload_##NAME(size_t i, SPACE const real *p) { return ff2_of(p[2 * i], p[2 * i + 1]); }                   \
-    real3 ff3_vload_##NAME(size_t i, SPACE const real *p) { return ff3_of(p[3 * i], p[3 * i + 1], p[3 * i + 2]); }     \
-    void ff2_vstore_##NAME(real2 v, size_t i, SPACE real *p) {                                                         \
-        p[2 * i] = ff2_x(v);                                                                                           \
-        p[2 * i + 1] = ff2_y(v);                                                                                       \
-    }                                                                                                                  \
-    void ff3_vstore_##NAME(real3 v, size_t i, SPACE real *p) {                                                         \
-        p[3 * i] = ff3_x(v);                                                                                           \
-        p[3 * i + 1] = ff3_y(v);                                                                                       \
-        p[3 * i + 2] = ff3_z(v);                                                                                       \
+#define FF_MEMORY(SPACE, NAME)                                                                                     \
+    real2 ff2_vload_##NAME(size_t i, SPACE const real *p) { return ff2_of(p[2 * i], p[2 * i + 1]); }               \
+    real3 ff3_vload_##NAME(size_t i, SPACE const real *p) { return ff3_of(p[3 * i], p[3 * i + 1], p[3 * i + 2]); } \
+    void ff2_vstore_##NAME(real2 v, size_t i, SPACE real *p) {                                                     \
+        p[2 * i] = ff2_x(v);                                                                                       \
+        p[2 * i + 1] = ff2_y(v);                                                                                   \
+    }                                                                                                              \
+    void ff3_vstore_##NAME(real3 v, size_t i, SPACE real *p) {                                                     \
+        p[3 * i] = ff3_x(v);                                                                                       \
+        p[3 * i + 1] = ff3_y(v);                                                                                   \
+        p[3 * i + 2] = ff3_z(v);                                                                                   \
     }
 FF_MEMORY(__global, global)
 FF_MEMORY(__private, private)

@@ -22,9 +22,7 @@ real3 any_tangent(real3 n) {
 
 // u, across the unit vector a, turned by the minimal rotation that takes a to the unit vector b (theory.md, 2, Frames).
 // Undefined for b = -a, where the guard returns some finite vector.
-real3 rotate_minimal(real3 u, real3 a, real3 b) {
-    return u - dot(b, u) / fmax(1.0 + dot(a, b), 1e-12) * (a + b);
-}
+real3 rotate_minimal(real3 u, real3 a, real3 b) { return u - dot(b, u) / fmax(1.0 + dot(a, b), 1e-12) * (a + b); }
 
 real3 reflect_about(real3 v, real3 n) { return v - 2.0 * dot(v, n) * n; }
 
@@ -35,8 +33,6 @@ real3 reflect_about(real3 v, real3 n) { return v - 2.0 * dot(v, n) * n; }
 #else
 #define RAY_OFFSET 2e-6
 #endif
-real3 offset_from_surface(real3 x, real3 n, real3 d) {
-    return x + copysign(RAY_OFFSET, dot(n, d)) * n;
-}
+real3 offset_from_surface(real3 x, real3 n, real3 d) { return x + copysign(RAY_OFFSET, dot(n, d)) * n; }
 
 #endif

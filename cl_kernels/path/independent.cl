@@ -41,8 +41,10 @@ bool draw_from_light(Scene *scene, Path *path, int k, Rng *rng) {
     for (int j = length - 1; j > k; j--) {
         Vertex *from = &path->vertex[j + 1], *vertex = &path->vertex[j];
         real3 direction;
-        if (j == length - 1) direction = sample_emission(scene, path->ending == ENDING_HIT ? last : 0, last->x, rng);
-        else if (!lobe_sample(scene, from, path->vertex[j + 2].v, rng, &direction)) return false;
+        if (j == length - 1)
+            direction = sample_emission(scene, path->ending == ENDING_HIT ? last : 0, last->x, rng);
+        else if (!lobe_sample(scene, from, path->vertex[j + 2].v, rng, &direction))
+            return false;
         if (!trace_to_vertex(scene, from, direction, vertex)) return false;
         from->v = -direction;  // segment j+1, as travelled from the camera
         from->t = vertex->t;
@@ -57,7 +59,9 @@ void settle_lobes(const Scene *scene, Path *path) {
     for (int i = 1; i < path->length; i++) {
         Vertex *vertex = &path->vertex[i];
         if (scene->materials[vertex->material].ior > 0.0 && vertex->lobe != LOBE_DIFFUSE)
-            vertex->lobe = dot(vertex->ng, path->vertex[i].v) * dot(vertex->ng, path->vertex[i + 1].v) > 0.0 ? LOBE_TRANSMIT : LOBE_DIELECTRIC_REFLECT;
+            vertex->lobe = dot(vertex->ng, path->vertex[i].v) * dot(vertex->ng, path->vertex[i + 1].v) > 0.0
+                               ? LOBE_TRANSMIT
+                               : LOBE_DIELECTRIC_REFLECT;
     }
 #endif
 }

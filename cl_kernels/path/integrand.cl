@@ -17,9 +17,9 @@
 #define LOG_ZERO -INFINITY
 
 typedef struct {
-    real3 colour;   // C / exp(log_scale)
-    real log_i;     // log of I, the chain's target density; LOG_ZERO where C = 0, and NaN is passed on, to be counted
-    real weight;    // of the film position
+    real3 colour;  // C / exp(log_scale)
+    real log_i;    // log of I, the chain's target density; LOG_ZERO where C = 0, and NaN is passed on, to be counted
+    real weight;   // of the film position
 } Radiance;
 
 // C / I.

@@ -16,23 +16,23 @@
 #define LOBE_TRANSMIT 3            // refracted part of a dielectric interface
 
 typedef struct {
-    real3 x;          // position
-    real3 v;          // unit direction of the segment that arrives here, as travelled from the camera
-    real3 ng;         // geometric normal (unit, as the mesh orients it)
-    real3 ns;         // shading normal (unit, on ng's side)
-    real3 tint;       // the material's texture here, or white
-    real t;           // length of the arriving segment
-    real bu, bv;      // barycentric coordinates of x
+    real3 x;      // position
+    real3 v;      // unit direction of the segment that arrives here, as travelled from the camera
+    real3 ng;     // geometric normal (unit, as the mesh orients it)
+    real3 ns;     // shading normal (unit, on ng's side)
+    real3 tint;   // the material's texture here, or white
+    real t;       // length of the arriving segment
+    real bu, bv;  // barycentric coordinates of x
     int triangle;
     int material;
-    int lobe;          // the lobe of this path's signature at this node
+    int lobe;  // the lobe of this path's signature at this node
 } Vertex;
 
 typedef struct {
     Vertex vertex[MAX_DEPTH + 1];
     int length;  // K
     int ending;
-    int light;   // connect: which point light
+    int light;  // connect: which point light
 } Path;
 
 int free_directions(const Path *path) { return path->ending == ENDING_HIT ? path->length : path->length - 1; }

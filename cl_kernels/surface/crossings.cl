@@ -13,7 +13,8 @@ bool crosses_aperture(__global const Aperture *aperture, real3 x, real3 v, real 
     if (at >= t) return false;
     real3 offset = at * v - to, axis = vec3(aperture->axis);
     *point = x + at * v;
-    return fabs(dot(offset, axis)) <= aperture->half_size[0] && fabs(dot(offset, cross(normal, axis))) <= aperture->half_size[1];
+    return fabs(dot(offset, axis)) <= aperture->half_size[0] &&
+           fabs(dot(offset, cross(normal, axis))) <= aperture->half_size[1];
 }
 
 // The first aperture in the scene's order that the segment passes through, or -1.

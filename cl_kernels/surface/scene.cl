@@ -33,19 +33,17 @@ typedef struct {
     uint rays;  // rays traced so far, a statistic
 } Scene;
 
-#define SCENE_PARAMETERS                                                                                           \
-    __global const BvhNode *nodes, __global const BvhLeaf *leaves, __global const real *vertices,                \
-        __global const int *faces, __global const real *normals, __global const real *uvs,                      \
-        __global const TriangleInfo *triangles, __global const Material *materials,                               \
-        __global const TextureInfo *textures, __global const float *texels, __global const SceneObject *objects,  \
-        __global const Emitter *emitters, __global const real *emitter_cdf,                                      \
-        __global const int *emitter_triangles, __global const PointLight *points,                                 \
-        __global const Aperture *apertures, __global const Target *targets, __global const Camera *camera,                         \
-        __global const float *evenness
+#define SCENE_PARAMETERS                                                                                                     \
+    __global const BvhNode *nodes, __global const BvhLeaf *leaves, __global const real *vertices, __global const int *faces, \
+        __global const real *normals, __global const real *uvs, __global const TriangleInfo *triangles,                      \
+        __global const Material *materials, __global const TextureInfo *textures, __global const float *texels,              \
+        __global const SceneObject *objects, __global const Emitter *emitters, __global const real *emitter_cdf,             \
+        __global const int *emitter_triangles, __global const PointLight *points, __global const Aperture *apertures,        \
+        __global const Target *targets, __global const Camera *camera, __global const float *evenness
 
-#define SCENE_BUNDLE                                                                                               \
-    { nodes, leaves, vertices, faces, normals, uvs, triangles, materials, textures, texels, objects, emitters,     \
-      emitter_cdf, emitter_triangles, points, apertures, targets, camera, evenness, 0u }
+#define SCENE_BUNDLE                                                                                                        \
+    {nodes,    leaves,      vertices,          faces,  normals,   uvs,     triangles, materials, textures, texels, objects, \
+     emitters, emitter_cdf, emitter_triangles, points, apertures, targets, camera,    evenness,  0u}
 
 real3 load3(__global const real *p, int i) { return vload3(i, p); }
 real3 vec3(__global const real *p) { return (real3)(p[0], p[1], p[2]); }

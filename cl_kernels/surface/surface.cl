@@ -58,9 +58,7 @@ void place_on_triangle(const Scene *scene, int triangle, real bu, real bv, Verte
 
 // A segment must leave and meet surfaces by more than the offset that keeps rays off them. Two points of one plane, joined,
 // would else see each other, or through each other's back, by rounding alone, at any 1 / r^2. A point without a surface has normal zero.
-bool leaves_surface(real3 normal, real3 segment) {
-    return fabs(dot(normal, segment)) > RAY_OFFSET || length2(normal) == 0.0;
-}
+bool leaves_surface(real3 normal, real3 segment) { return fabs(dot(normal, segment)) > RAY_OFFSET || length2(normal) == 0.0; }
 
 // The tree says which triangle a ray meets, in the precision of the tree and from an origin moved off the surface. Where on
 // the triangle's plane is solved again from x itself, so that the node lies on the line from x along v as exactly as `real`

@@ -28,14 +28,14 @@
 #endif
 
 typedef struct {
-    bvh_reals plane[6]; // low x, y, z, then high x, y, z of each child's box
-    bvh_integers child;      // an inner node if >= 0, else ~leaf; unused lanes hold inverted boxes
+    bvh_reals plane[6];  // low x, y, z, then high x, y, z of each child's box
+    bvh_integers child;  // an inner node if >= 0, else ~leaf; unused lanes hold inverted boxes
     bvh_integers unused;
 } BvhNode;
 
 typedef struct {
-    bvh_reals corner[9]; // x, y, z of the first corner, of the second, of the third
-    bvh_integers triangle;    // unused lanes hold -1, and three equal corners, which no ray hits
+    bvh_reals corner[9];    // x, y, z of the first corner, of the second, of the third
+    bvh_integers triangle;  // unused lanes hold -1, and three equal corners, which no ray hits
 } BvhLeaf;
 
 typedef struct {
@@ -46,10 +46,10 @@ typedef struct {
 
 typedef struct {
     bvh_real3 origin, inverse;
-    int3 near;       // which plane of each axis the ray meets first
-    int3 axis;       // a permutation of the axes, the ray's longest last
-    bvh_real3 permuted; // the origin in that permutation
-    bvh_real3 shear;    // maps the direction to (0, 0, 1) in that permutation
+    int3 near;           // which plane of each axis the ray meets first
+    int3 axis;           // a permutation of the axes, the ray's longest last
+    bvh_real3 permuted;  // the origin in that permutation
+    bvh_real3 shear;     // maps the direction to (0, 0, 1) in that permutation
 } BvhRay;
 
 #define BVH_NONE INT_MAX
@@ -63,9 +63,7 @@ typedef struct {
 
 // A finite reciprocal keeps 0 * inf, hence NaN, out of the box test; boxes are padded, so a ray in a box's own plane
 // still sees that plane on the outside.
-bvh_real bvh_reciprocal(bvh_real x) {
-    return fabs(x) > 1e-30f ? 1.0f / x : copysign((bvh_real)1e30f, x);
-}
+bvh_real bvh_reciprocal(bvh_real x) { return fabs(x) > 1e-30f ? 1.0f / x : copysign((bvh_real)1e30f, x); }
 
 BvhRay bvh_ray(bvh_real3 origin, bvh_real3 direction) {
     BvhRay ray;
@@ -107,8 +105,8 @@ bvh_integers bvh_enter(__global const BvhNode *node, const BvhRay *ray, bvh_real
 // Woop, Benthin and Wald's watertight test (2013) of a whole leaf. Triangles that share an edge compute the same edge
 // function for it up to the sign, since contraction is off, so no ray slips between them. A zero determinant makes t
 // NaN, which no comparison lets through.
-bvh_integers bvh_leaf(__global const BvhLeaf *leaf, const BvhRay *ray, bvh_real t_max,
-                 bvh_reals *t_out, bvh_reals *u_out, bvh_reals *v_out) {
+bvh_integers bvh_leaf(__global const BvhLeaf *leaf, const BvhRay *ray, bvh_real t_max, bvh_reals *t_out, bvh_reals *u_out,
+                      bvh_reals *v_out) {
     const int3 axis = ray->axis;
     const bvh_real3 o = ray->permuted, shear = ray->shear;
     const bvh_reals az = leaf->corner[axis.z] - o.z;
@@ -147,19 +145,19 @@ bool closest_hit(__global const BvhNode *nodes, __global const BvhLeaf *leaves, 
             const bvh_integers children = nodes[child].child;
             bvh_real nearest = INFINITY;
             child = BVH_NONE;
-#define BVH_VISIT(lane)                                                                                                \
-    if (inside.lane) {                                                                                                 \
-        if (enter.lane < nearest) {                                                                                    \
-            if (child != BVH_NONE) {                                                                                   \
-                stack_t[top] = nearest;                                                                                \
-                stack_child[top++] = child;                                                                            \
-            }                                                                                                          \
-            nearest = enter.lane;                                                                                      \
-            child = children.lane;                                                                                     \
-        } else {                                                                                                       \
-            stack_t[top] = enter.lane;                                                                                 \
-            stack_child[top++] = children.lane;                                                                        \
-        }                                                                                                              \
+#define BVH_VISIT(lane)                         \
+    if (inside.lane) {                          \
+        if (enter.lane < nearest) {             \
+            if (child != BVH_NONE) {            \
+                stack_t[top] = nearest;         \
+                stack_child[top++] = child;     \
+            }                                   \
+            nearest = enter.lane;               \
+            child = children.lane;              \
+        } else {                                \
+            stack_t[top] = enter.lane;          \
+            stack_child[top++] = children.lane; \
+        }                                       \
     }
             BVH_LANES(BVH_VISIT)
         }
@@ -169,12 +167,12 @@ bool closest_hit(__global const BvhNode *nodes, __global const BvhLeaf *leaves, 
             const bvh_integers met = bvh_leaf(leaf, &ray, best, &t, &u, &v);
             if (any(met)) {
                 const bvh_integers id = leaf->triangle;
-#define BVH_TAKE(lane)                                                                                                 \
-    if (met.lane && (t.lane < best || (t.lane == best && id.lane < triangle))) {                                       \
-        best = t.lane;                                                                                                 \
-        best_u = u.lane;                                                                                               \
-        best_v = v.lane;                                                                                               \
-        triangle = id.lane;                                                                                            \
+#define BVH_TAKE(lane)                                                           \
+    if (met.lane && (t.lane < best || (t.lane == best && id.lane < triangle))) { \
+        best = t.lane;                                                           \
+        best_u = u.lane;                                                         \
+        best_v = v.lane;                                                         \
+        triangle = id.lane;                                                      \
     }
                 BVH_LANES(BVH_TAKE)
             }
@@ -205,7 +203,7 @@ bool any_hit(__global const BvhNode *nodes, __global const BvhLeaf *leaves, bvh_
             bvh_reals enter;
             const bvh_integers inside = bvh_enter(nodes + child, &ray, t_max, &enter);
             const bvh_integers children = nodes[child].child;
-#define BVH_PUSH(lane)                                                                                                 \
+#define BVH_PUSH(lane) \
     if (inside.lane) stack[top++] = children.lane;
             BVH_LANES(BVH_PUSH)
         } else {

@@ -144,25 +144,48 @@ def build_parser(run: Mapping[str, Callable[[argparse.Namespace], int]]) -> argp
         " Ctrl-C ends it early and still writes the picture so far (exit code 130).",
     )
     _add_scene(render)
-    render.add_argument("-o", "--output", type=Path, metavar="OUT.exr",
-                        help="linear RGB picture; the tone-mapped .png and the figures in .json go beside it "
-                             "(default: the scene's name in this folder)")  # fmt: skip
+    render.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="OUT.exr",
+        help="linear RGB picture; the tone-mapped .png and the figures in .json go beside it "
+        "(default: the scene's name in this folder)",
+    )
     effort = render.add_mutually_exclusive_group()
-    effort.add_argument("--seconds", type=_positive, metavar="S",
-                        help=f"time to sample, in seconds, set-up excluded (default: {DEFAULT_SECONDS:g})")  # fmt: skip
-    effort.add_argument("--mutations-per-pixel", type=_positive, metavar="M",
-                        help="effort instead of time: Markov-chain steps, or samples, per pixel")  # fmt: skip
+    effort.add_argument(
+        "--seconds",
+        type=_positive,
+        metavar="S",
+        help=f"time to sample, in seconds, set-up excluded (default: {DEFAULT_SECONDS:g})",
+    )
+    effort.add_argument(
+        "--mutations-per-pixel",
+        type=_positive,
+        metavar="M",
+        help="effort instead of time: Markov-chain steps, or samples, per pixel",
+    )
     render.add_argument("--seed", type=_seed, default=0, metavar="N", help="of the random numbers (default: 0)")
-    render.add_argument("--device", metavar="SPEC",
-                        help="cpu, gpu, an index or part of a name, as `pylmc devices` shows them (default: "
-                             "PYOPENCL_CTX if set, else the first GPU, else the first CPU)")  # fmt: skip
+    render.add_argument(
+        "--device",
+        metavar="SPEC",
+        help="cpu, gpu, an index or part of a name, as `pylmc devices` shows them (default: "
+        "PYOPENCL_CTX if set, else the first GPU, else the first CPU)",
+    )
     _add_precision(render)
-    render.add_argument("--math", choices=MATHS,
-                        help="exact, or what may be shortened: relaxed (the compiler reorders, contracts), fast (and "
-                             "forgets infinities), native (short exp, log, sin, cos, roots) (default: exact)")  # fmt: skip
-    render.add_argument("--integrator", choices=INTEGRATORS, default="lmc",
-                        help="Markov chains (lmc), their independent bidirectional sampler alone (bdpt), or a "
-                             "unidirectional path tracer (path) (default: lmc)")  # fmt: skip
+    render.add_argument(
+        "--math",
+        choices=MATHS,
+        help="exact, or what may be shortened: relaxed (the compiler reorders, contracts), fast (and "
+        "forgets infinities), native (short exp, log, sin, cos, roots) (default: exact)",
+    )
+    render.add_argument(
+        "--integrator",
+        choices=INTEGRATORS,
+        default="lmc",
+        help="Markov chains (lmc), their independent bidirectional sampler alone (bdpt), or a "
+        "unidirectional path tracer (path) (default: lmc)",
+    )
     _add_chain(render)
     render.add_argument("--quiet", action="store_true", help="no progress bar and no report")
 
@@ -171,8 +194,9 @@ def build_parser(run: Mapping[str, Callable[[argparse.Namespace], int]]) -> argp
     _add_precision(info)
     _add_chain(info)
 
-    compare = command("compare", "measure how far picture A.exr is from the reference B.exr",
-                      " Prints relMSE, MSE, MAE, SMAPE and FLIP.")  # fmt: skip
+    compare = command(
+        "compare", "measure how far picture A.exr is from the reference B.exr", " Prints relMSE, MSE, MAE, SMAPE and FLIP."
+    )
     compare.add_argument("a", type=Path, metavar="A.exr", help="the picture to judge")
     compare.add_argument("b", type=Path, metavar="B.exr", help="the reference, of the same size")
     compare.add_argument("-o", "--output", type=Path, metavar="DIFF.png", help="write a picture of the differences")
@@ -183,39 +207,68 @@ def build_parser(run: Mapping[str, Callable[[argparse.Namespace], int]]) -> argp
 
 
 def _add_scene(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("scene", metavar="SCENE", help="a built-in scene (`pylmc scenes`), with parameters if wanted: "
-                        "keyhole:hole=0.01,roughness=0.005; or a .gltf or .glb file")  # fmt: skip
+    parser.add_argument(
+        "scene",
+        metavar="SCENE",
+        help="a built-in scene (`pylmc scenes`), with parameters if wanted: "
+        "keyhole:hole=0.01,roughness=0.005; or a .gltf or .glb file",
+    )
     parser.add_argument("--size", type=_size, metavar="WxH", help="of the film, in pixels (default: the scene's)")
-    parser.add_argument("--max-depth", type=_depth, default=8, metavar="K",
-                        help=f"longest light path, in segments, 1 to {MAX_DEPTH} (default: 8)")  # fmt: skip
+    parser.add_argument(
+        "--max-depth",
+        type=_depth,
+        default=8,
+        metavar="K",
+        help=f"longest light path, in segments, 1 to {MAX_DEPTH} (default: 8)",
+    )
     parser.add_argument("--auto-camera", action="store_true", help="frame a file's scene that has no camera")
     parser.add_argument("--auto-light", action="store_true", help="light a file's scene that has no light")
 
 
 def _add_precision(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--precision", choices=PRECISIONS, default="single",
-                        help="single (the fastest), mixed (rays in float32, all else in float64, or in pairs of floats "
-                             "where the device has no 64-bit floats), double (all in float64), float-float (mixed by "
-                             "pairs of floats) (default: single)")  # fmt: skip
+    parser.add_argument(
+        "--precision",
+        choices=PRECISIONS,
+        default="single",
+        help="single (the fastest), mixed (rays in float32, all else in float64, or in pairs of floats "
+        "where the device has no 64-bit floats), double (all in float64), float-float (mixed by "
+        "pairs of floats) (default: single)",
+    )
 
 
 def _add_chain(parser: argparse.ArgumentParser) -> None:
     chain = parser.add_argument_group("the Markov chain (with --integrator lmc)")
-    chain.add_argument("--chart", choices=CHARTS,
-                       help="of the deviations from a lobe's reference direction (default: equal-area)")  # fmt: skip
-    chain.add_argument("--coordinates", choices=COORDINATES,
-                       help="target charts where they help, or deviations everywhere (default: target)")  # fmt: skip
-    chain.add_argument("--rule", choices=RULES,
-                       help="how constraints are combined (default: sum)")  # fmt: skip
-    chain.add_argument("--drift", action="store_true", default=None,
-                       help="let proposals drift along the gradient (default: off)")  # fmt: skip
-    chain.add_argument("--large-steps", type=_probability, metavar="P",
-                       help="probability of an independent step (default: 0.2)")  # fmt: skip
-    chain.add_argument("--step", type=_step, metavar="LEAST,GREATEST",
-                       help="bounds of the small steps' length h, drawn log-uniformly (default: 0.01,0.3)")  # fmt: skip
-    chain.add_argument("--blocks", action=argparse.BooleanOptionalAction, default=None,
-                       help="let small steps move a leading part of the path only (default: --blocks)")  # fmt: skip
-    chain.add_argument("--constraints", type=_constraints, metavar="KINDS",
-                       help=f"what shapes proposals: some of {','.join(CONSTRAINTS)}, or none (default: all)")  # fmt: skip
-    chain.add_argument("--differentials", choices=DIFFERENTIALS,
-                       help="full, or reduced: normals and frames taken as fixed (default: full)")  # fmt: skip
+    chain.add_argument(
+        "--chart", choices=CHARTS, help="of the deviations from a lobe's reference direction (default: equal-area)"
+    )
+    chain.add_argument(
+        "--coordinates", choices=COORDINATES, help="target charts where they help, or deviations everywhere (default: target)"
+    )
+    chain.add_argument("--rule", choices=RULES, help="how constraints are combined (default: sum)")
+    chain.add_argument(
+        "--drift", action="store_true", default=None, help="let proposals drift along the gradient (default: off)"
+    )
+    chain.add_argument(
+        "--large-steps", type=_probability, metavar="P", help="probability of an independent step (default: 0.2)"
+    )
+    chain.add_argument(
+        "--step",
+        type=_step,
+        metavar="LEAST,GREATEST",
+        help="bounds of the small steps' length h, drawn log-uniformly (default: 0.01,0.3)",
+    )
+    chain.add_argument(
+        "--blocks",
+        action=argparse.BooleanOptionalAction,
+        default=None,
+        help="let small steps move a leading part of the path only (default: --blocks)",
+    )
+    chain.add_argument(
+        "--constraints",
+        type=_constraints,
+        metavar="KINDS",
+        help=f"what shapes proposals: some of {','.join(CONSTRAINTS)}, or none (default: all)",
+    )
+    chain.add_argument(
+        "--differentials", choices=DIFFERENTIALS, help="full, or reduced: normals and frames taken as fixed (default: full)"
+    )

@@ -31,7 +31,6 @@ __all__ = ["main"]
 INTERRUPTED = 130
 
 
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command with ``arguments`` (``sys.argv[1:]`` if None) and return its exit code."""
     for stream in (sys.stdout, sys.stderr):
@@ -175,8 +174,10 @@ def _devices(options: argparse.Namespace) -> int:
         is_default = default is not None and survey.describes(info, default)
         abilities = [name for name, has in (("fp64", info.fp64), ("int64 atomics", info.int64_atomics)) if has]
         print(f"{'*' if is_default else ' '} {index}  {info.kind}  {info.label}")
-        print(f"       {info.compute_units} compute units, {info.memory / 2**30:.1f} GiB, driver {info.driver}"
-              f"{', ' if abilities else ''}{', '.join(abilities)}")  # fmt: skip
+        print(
+            f"       {info.compute_units} compute units, {info.memory / 2**30:.1f} GiB, driver {info.driver}"
+            f"{', ' if abilities else ''}{', '.join(abilities)}"
+        )
     if working:
         print("(* is used unless --device says otherwise: cpu, gpu, a number, or part of a name)")
     if broken:
@@ -202,8 +203,9 @@ def _load(options: argparse.Namespace, name: str, parameters: dict[str, Any]) ->
     import pylmc
 
     width, height = options.size or (None, None)
-    return pylmc.load(name, width=width, height=height, auto_camera=options.auto_camera, auto_light=options.auto_light,
-                      **parameters)  # fmt: skip
+    return pylmc.load(
+        name, width=width, height=height, auto_camera=options.auto_camera, auto_light=options.auto_light, **parameters
+    )
 
 
 # --- reading arguments ------------------------------------------------------------------------------------------------
@@ -274,8 +276,10 @@ def _refuse_contradictions(options: argparse.Namespace) -> None:
     if options.integrator != "lmc":
         for name in CHAIN_OPTIONS:
             if getattr(options, name) is not None:
-                raise PylmcError(f"--{name.replace('_', '-')} is about the Markov chain and has no meaning with "
-                                 f"--integrator {options.integrator}; leave one of them out")  # fmt: skip
+                raise PylmcError(
+                    f"--{name.replace('_', '-')} is about the Markov chain and has no meaning with "
+                    f"--integrator {options.integrator}; leave one of them out"
+                )
 
 
 def _sampler_options(options: argparse.Namespace) -> dict[str, Any]:

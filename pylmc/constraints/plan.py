@@ -62,8 +62,9 @@ def plan_constraints(scene: Scene, objects: Sequence[SceneObject], radius: float
     alphas = {id(s.material): (s.name or f"shape {i}", roughness(s.material)) for i, s in enumerate(scene.shapes)}
     glossy = [(name, alpha) for name, alpha in alphas.values() if alpha is not None]
     narrow = tuple(name for name, alpha in glossy if alpha < NARROW_ALPHA)
-    left_out += [f"lobe of '{name}': alpha={a:g} is wide, its directions take target charts"
-                 for name, a in glossy if a >= NARROW_ALPHA]  # fmt: skip
+    left_out += [
+        f"lobe of '{name}': alpha={a:g} is wide, its directions take target charts" for name, a in glossy if a >= NARROW_ALPHA
+    ]
 
     apertures = [a for a in scene.apertures if min(a.half_size) <= WIDE_HOLE * radius]
     if len(apertures) < len(scene.apertures):
@@ -88,14 +89,22 @@ def plan_constraints(scene: Scene, objects: Sequence[SceneObject], radius: float
     if large:
         left_out.append(f"{large} object(s) that are not small (two half-extents below {SMALL:g} scene radii)")
 
-    aimed = [i for i, item in enumerate(objects)
-             if item.bounding_radius < AIM_RADIUS * radius and item.shape not in emitting]  # fmt: skip
+    aimed = [i for i, item in enumerate(objects) if item.bounding_radius < AIM_RADIUS * radius and item.shape not in emitting]
     if len(aimed) > MAX_AIMED_OBJECTS:
         left_out.append(f"aiming at {len(aimed)} small objects: more than {MAX_AIMED_OBJECTS}, none is special")
         aimed = []
     curved = sum(shape.vertex_normals() is not None for shape in scene.shapes)
-    return ConstraintPlan(narrow, len(glossy), tuple(apertures), weights, small,
-                          sum(item.shape in emitting for item in objects), tuple(aimed), curved, tuple(left_out))
+    return ConstraintPlan(
+        narrow,
+        len(glossy),
+        tuple(apertures),
+        weights,
+        small,
+        sum(item.shape in emitting for item in objects),
+        tuple(aimed),
+        curved,
+        tuple(left_out),
+    )
 
 
 def combine(rows: np.ndarray, owners: np.ndarray, rule: str = "sum") -> np.ndarray:

@@ -23,11 +23,26 @@ WORK_GROUP = 16
 
 # SCENE_PARAMETERS of cl_kernels/surface/scene.cl in order, and the struct that each is an array of (None: plain numbers).
 SCENE_ARGUMENTS: dict[str, str | None] = {
-    "nodes": None, "leaves": None, "vertices": None, "faces": None, "normals": None, "uvs": None,
-    "triangles": "TriangleInfo", "materials": "Material", "textures": "TextureInfo", "texels": None,
-    "objects": "SceneObject", "emitters": "Emitter", "emitter_cdf": None, "emitter_triangles": None,
-    "points": "PointLight", "apertures": "Aperture", "targets": "Target", "camera": "Camera", "evenness": None,
-}  # fmt: skip
+    "nodes": None,
+    "leaves": None,
+    "vertices": None,
+    "faces": None,
+    "normals": None,
+    "uvs": None,
+    "triangles": "TriangleInfo",
+    "materials": "Material",
+    "textures": "TextureInfo",
+    "texels": None,
+    "objects": "SceneObject",
+    "emitters": "Emitter",
+    "emitter_cdf": None,
+    "emitter_triangles": None,
+    "points": "PointLight",
+    "apertures": "Aperture",
+    "targets": "Target",
+    "camera": "Camera",
+    "evenness": None,
+}
 
 
 class DeviceScene:
@@ -42,11 +57,15 @@ class DeviceScene:
         self.device = device if isinstance(device, cl.Device) else select(device)
         self.precision = on_device(precision, self.device)
         if settings.math == "native" and self.precision.real != "float":
-            raise PylmcError(f"math='native' has short functions for 32-bit floats only, and precision '{precision}' computes "
-                             f"in {NAME_OF_REAL[self.precision.real]}: use math='exact', or precision='single'")  # fmt: skip
+            raise PylmcError(
+                f"math='native' has short functions for 32-bit floats only, and precision '{precision}' computes "
+                f"in {NAME_OF_REAL[self.precision.real]}: use math='exact', or precision='single'"
+            )
         if settings.math != "exact" and self.precision.real == "pair":
-            raise PylmcError(f"math='{settings.math}' would let the compiler cancel the low words of pairs of floats, which "
-                             f"precision '{precision}' computes in: use math='exact', or precision='single'")  # fmt: skip
+            raise PylmcError(
+                f"math='{settings.math}' would let the compiler cancel the low words of pairs of floats, which "
+                f"precision '{precision}' computes in: use math='exact', or precision='single'"
+            )
         self.context, self.queue = context_and_queue(self.device)
         self.compile_seconds = 0.0
         self._programs: dict[str, cl.Program] = {}
@@ -107,9 +126,11 @@ class DeviceScene:
     def _check_size(self, nbytes: int) -> None:
         limit = self.device.max_mem_alloc_size
         if nbytes > limit:
-            raise PylmcError(f"{self.device.name.strip()}: {nbytes / 2**20:.0f} MiB are needed in one piece, but it allows "
-                             f"{limit / 2**20:.0f}; use a smaller film (--size), fewer path lengths (--max-depth) or "
-                             "another device")  # fmt: skip
+            raise PylmcError(
+                f"{self.device.name.strip()}: {nbytes / 2**20:.0f} MiB are needed in one piece, but it allows "
+                f"{limit / 2**20:.0f}; use a smaller film (--size), fewer path lengths (--max-depth) or "
+                "another device"
+            )
 
     def kernel(self, source: str, name: str, **extra: Any) -> cl.Kernel:
         """Kernel ``name`` of ``source``, specialised to the scene and settings; ``extra`` overrides constants."""
@@ -117,11 +138,22 @@ class DeviceScene:
         if key not in self._programs:
             features = self.compiled.features
             deviates = self.settings.coordinates == "deviation" or features["HAS_NARROW"]
-            defines = {**features, **self.settings.defines(), "HAS_DEVIATION": deviates,
-                       "EVENNESS_GRID": evenness.GRID, **extra}
+            defines = {
+                **features,
+                **self.settings.defines(),
+                "HAS_DEVIATION": deviates,
+                "EVENNESS_GRID": evenness.GRID,
+                **extra,
+            }
             with self.compiling():
-                self._programs[key] = program.build(self.context, source, defines=defines, structs=self._declarations,
-                                                     real=self.precision.real, math=self.settings.math)
+                self._programs[key] = program.build(
+                    self.context,
+                    source,
+                    defines=defines,
+                    structs=self._declarations,
+                    real=self.precision.real,
+                    math=self.settings.math,
+                )
         return cl.Kernel(self._programs[key], name)
 
     def launch(self, kernel: cl.Kernel, count: int, *arguments: Any) -> None:

@@ -113,6 +113,8 @@ def on_device(name: str, device: Any) -> Precision:
     if precision.real != "double" or "cl_khr_fp64" in device.extensions:
         return precision
     if name == "double":
-        raise PylmcError(f"{device.name.strip()} has no 64-bit floats (cl_khr_fp64), which precision 'double' needs: use "
-                         "'mixed' (paths in pairs of floats there), or another device (pylmc devices lists them)")  # fmt: skip
+        raise PylmcError(
+            f"{device.name.strip()} has no 64-bit floats (cl_khr_fp64), which precision 'double' needs: use "
+            "'mixed' (paths in pairs of floats there), or another device (pylmc devices lists them)"
+        )
     return Precision(name, "pair")

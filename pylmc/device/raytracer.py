@@ -98,8 +98,9 @@ def _check_rays(origins: Any, directions: Any, t_max: Any) -> tuple[np.ndarray, 
         if len(count) != 1:
             raise ValueError
     except ValueError:
-        raise PylmcError(f"rays: {len(arrays[0])} origins, {len(arrays[1])} directions and t_max of shape "
-                         f"{limit.shape} do not match")  from None  # fmt: skip
+        raise PylmcError(
+            f"rays: {len(arrays[0])} origins, {len(arrays[1])} directions and t_max of shape {limit.shape} do not match"
+        ) from None
     shape = (*count, 3)
     origins, directions = (np.ascontiguousarray(np.broadcast_to(array, shape)) for array in arrays)
     return origins, directions, np.ascontiguousarray(np.broadcast_to(limit, count))

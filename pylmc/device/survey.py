@@ -158,11 +158,14 @@ def _from_pyopencl_ctx(devices: list[DeviceInfo]) -> pyopencl.Device:
     try:
         device = cl.choose_devices(interactive=False)[0]
     except (RuntimeError, ValueError, IndexError, cl.Error) as error:
-        raise PylmcError(f"PYOPENCL_CTX='{choice}' names no device ({_one_line(str(error))}); "
-                         "unset it or see `pylmc devices`") from None  # fmt: skip
+        raise PylmcError(
+            f"PYOPENCL_CTX='{choice}' names no device ({_one_line(str(error))}); unset it or see `pylmc devices`"
+        ) from None
     if not any(describes(info, device) for info in devices):
-        raise PylmcError(f"PYOPENCL_CTX='{choice}' chooses {device.platform.name.strip()}: {device.name.strip()}, "
-                         "which does not work; unset it, and see `pylmc devices` for the reason")  # fmt: skip
+        raise PylmcError(
+            f"PYOPENCL_CTX='{choice}' chooses {device.platform.name.strip()}: {device.name.strip()}, "
+            "which does not work; unset it, and see `pylmc devices` for the reason"
+        )
     return device
 
 
@@ -185,8 +188,10 @@ def _open(info: DeviceInfo) -> pyopencl.Device:
             devices = opened.get_devices()
             if info.position < len(devices) and describes(info, devices[info.position]):
                 return devices[info.position]
-    raise PylmcError(f"{info.label} works in a process of its own but cannot be seen from this one; if other code used "
-                     "OpenCL first, call pylmc.device.survey.select() before it, else run `pylmc devices`")  # fmt: skip
+    raise PylmcError(
+        f"{info.label} works in a process of its own but cannot be seen from this one; if other code used "
+        "OpenCL first, call pylmc.device.survey.select() before it, else run `pylmc devices`"
+    )
 
 
 @functools.cache

@@ -230,7 +230,5 @@ def _collect(points: np.ndarray, edges: _Edges, piece: np.ndarray) -> list[Outli
         if not np.linalg.norm(normal) > 0:
             continue
         flags = zip(pairs.tolist(), edges.open[part].tolist(), strict=True)
-        found.append(
-            Outline(corners, normal / np.linalg.norm(normal), {(start, end): flag for (start, end), flag in flags})
-        )
+        found.append(Outline(corners, normal / np.linalg.norm(normal), {(start, end): flag for (start, end), flag in flags}))
     return found

@@ -72,9 +72,7 @@ def find_objects(shapes: Sequence[Shape]) -> tuple[list[SceneObject], np.ndarray
     return objects, of_face.astype(np.int64)
 
 
-def _tightest_boxes(
-    corners: np.ndarray, of_face: np.ndarray, starts: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _tightest_boxes(corners: np.ndarray, of_face: np.ndarray, starts: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Axes (N, 3, 3) and the extremes along them (N, 3), (N, 3) of each object's least-surface candidate box."""
     candidates = [_principal_axes(corners, of_face, starts), *_face_frames(corners, of_face, starts)]
     best_axes = np.broadcast_to(np.eye(3), (len(starts), 3, 3)).copy()
@@ -89,9 +87,7 @@ def _tightest_boxes(
     return best_axes, best_low, best_high
 
 
-def _extremes(
-    corners: np.ndarray, of_face: np.ndarray, starts: np.ndarray, axes: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def _extremes(corners: np.ndarray, of_face: np.ndarray, starts: np.ndarray, axes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     along = np.einsum("fkj,fij->fki", corners, axes[of_face])
     return np.minimum.reduceat(along.min(axis=1), starts), np.maximum.reduceat(along.max(axis=1), starts)
 

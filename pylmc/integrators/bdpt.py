@@ -60,9 +60,17 @@ class Bidirectional:
 
     def _launch(self, steps: int) -> None:
         self.sampler.device_scene.launch(
-            self._kernel, self.streams, np.uint32(self.sampler.seed), np.uint64(self.launches * STEPS_PER_LAUNCH),
-            np.int32(steps), np.uint32(self.streams), self._table, self._counters, self._film,
-            np.int32(self.sampler.film_pixels))  # fmt: skip
+            self._kernel,
+            self.streams,
+            np.uint32(self.sampler.seed),
+            np.uint64(self.launches * STEPS_PER_LAUNCH),
+            np.int32(steps),
+            np.uint32(self.streams),
+            self._table,
+            self._counters,
+            self._film,
+            np.int32(self.sampler.film_pixels),
+        )
 
     def advance(self) -> None:
         device = self.sampler.device_scene
@@ -104,9 +112,12 @@ class Bidirectional:
     def diagnostics(self) -> dict[str, Any]:
         scale = self.sampler.compiled.radiance_scale
         return {
-            "groups": {group.name: {"streams": group.chains, "b": group.b * scale, "b_error": group.b_error * scale}
-                       for group in self.groups},
+            "groups": {
+                group.name: {"streams": group.chains, "b": group.b * scale, "b_error": group.b_error * scale}
+                for group in self.groups
+            },
             "b": scale * sum(group.b for group in self.groups),
-            "b_error": scale * float(np.sqrt(sum(group.b_error**2 for group in self.groups))), "rays": self.rays,
-             "not_finite_rejected": self.not_finite,
-        }  # fmt: skip
+            "b_error": scale * float(np.sqrt(sum(group.b_error**2 for group in self.groups))),
+            "rays": self.rays,
+            "not_finite_rejected": self.not_finite,
+        }

@@ -36,8 +36,9 @@ class LangevinMonteCarlo:
         self.acceptance = np.zeros_like(self.proposed)
         self.traces: list[list[np.ndarray]] = [[] for _ in self.sampler.groups]
         self.batches = [BatchMeans() for _ in self.sampler.groups]
-        self._last = [(np.zeros((self.sampler.scene.camera.height, self.sampler.scene.camera.width)), 0)
-                      for _ in self.sampler.groups]  # fmt: skip
+        self._last = [
+            (np.zeros((self.sampler.scene.camera.height, self.sampler.scene.camera.width)), 0) for _ in self.sampler.groups
+        ]
 
     def advance(self) -> None:
         self.sampler.step(STEPS_PER_LAUNCH)
@@ -81,10 +82,18 @@ class LangevinMonteCarlo:
         total_ess, worst_rhat = 0.0, 1.0
         for i, group in enumerate(self.sampler.groups):
             rates = self.acceptance[i] / np.maximum(self.proposed[i], 1)
-            kinds = {"large" if m == 0 else f"small, first {m} directions": round(float(rates[m]), 4)
-                     for m in range(len(rates)) if self.proposed[i, m] > 0}  # fmt: skip
-            entry: dict[str, Any] = {"chains": group.chains, "acceptance": kinds, "proposed": int(self.proposed[i].sum()),
-                                     "b": self._radiance(group.b), "b_error": self._radiance(group.b_error)}  # fmt: skip
+            kinds = {
+                "large" if m == 0 else f"small, first {m} directions": round(float(rates[m]), 4)
+                for m in range(len(rates))
+                if self.proposed[i, m] > 0
+            }
+            entry: dict[str, Any] = {
+                "chains": group.chains,
+                "acceptance": kinds,
+                "proposed": int(self.proposed[i].sum()),
+                "b": self._radiance(group.b),
+                "b_error": self._radiance(group.b_error),
+            }
             mixed = mixing(np.stack(self.traces[i], axis=1)) if self.traces[i] else None
             if mixed is not None:
                 entry["ess"], entry["rhat"] = round(mixed[0], 1), round(mixed[1], 4)
@@ -93,12 +102,17 @@ class LangevinMonteCarlo:
         b = sum(group.b for group in self.sampler.groups)
         error = float(np.sqrt(sum(group.b_error**2 for group in self.sampler.groups)))
         return {
-            "groups": groups, "groups_without_light": self.sampler.dark_groups,
-            "b": self._radiance(b), "b_error": self._radiance(error),
+            "groups": groups,
+            "groups_without_light": self.sampler.dark_groups,
+            "b": self._radiance(b),
+            "b_error": self._radiance(error),
             "acceptance": round(float(self.acceptance.sum() / max(self.proposed.sum(), 1)), 4),
-            "ess": round(total_ess, 1), "rhat": round(worst_rhat, 4), "chains": self.sampler.chains,
-            "rays": self.rays, "not_finite_rejected": self.not_finite,
-        }  # fmt: skip
+            "ess": round(total_ess, 1),
+            "rhat": round(worst_rhat, 4),
+            "chains": self.sampler.chains,
+            "rays": self.rays,
+            "not_finite_rejected": self.not_finite,
+        }
 
     def _radiance(self, value: float) -> float:
         return float(value * self.sampler.compiled.radiance_scale)

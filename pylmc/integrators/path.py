@@ -43,9 +43,17 @@ class PathTracer:
 
     def _launch(self, first: int, count: int, passes: int) -> None:
         self.sampler.device_scene.launch(
-            self._kernel, count, np.uint32(self.seed), np.uint64(self.passes), np.int32(passes),
-            np.int32(self.sampler.settings.max_depth), np.int32(first), np.int32(count), self._counters,
-            self._film)  # fmt: skip
+            self._kernel,
+            count,
+            np.uint32(self.seed),
+            np.uint64(self.passes),
+            np.int32(passes),
+            np.int32(self.sampler.settings.max_depth),
+            np.int32(first),
+            np.int32(count),
+            self._counters,
+            self._film,
+        )
 
     def advance(self) -> None:
         device = self.sampler.device_scene

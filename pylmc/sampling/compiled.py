@@ -99,28 +99,44 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
 
     tree = bvh.build(vertices, faces.astype(np.int32), dtype=kind.trace_dtype)
     arrays = {
-        "nodes": tree.nodes, "leaves": tree.leaves, "vertices": vertices,
-        "faces": faces.astype(np.int32), "normals": _per_vertex(scene.shapes, counts, 3, Shape.vertex_normals),
+        "nodes": tree.nodes,
+        "leaves": tree.leaves,
+        "vertices": vertices,
+        "faces": faces.astype(np.int32),
+        "normals": _per_vertex(scene.shapes, counts, 3, Shape.vertex_normals),
         "uvs": _per_vertex(scene.shapes, counts, 2, lambda shape: shape.uv if shape.textured else None),
-        "triangles": triangles, "materials": materials, **textures, "objects": _objects(objects, plan, scale),
-        "emitters": lights["emitters"], "emitter_cdf": lights["emitter_cdf"],
-        "emitter_triangles": lights["emitter_triangles"], "points": lights["points"],
-        "apertures": _apertures(plan, centre, scale), "targets": _targets(plan, objects, centre, scale),
-        "camera": _camera(scene, centre, scale), "evenness": np.ones((GRID, GRID), np.float32),
-    }  # fmt: skip
+        "triangles": triangles,
+        "materials": materials,
+        **textures,
+        "objects": _objects(objects, plan, scale),
+        "emitters": lights["emitters"],
+        "emitter_cdf": lights["emitter_cdf"],
+        "emitter_triangles": lights["emitter_triangles"],
+        "points": lights["points"],
+        "apertures": _apertures(plan, centre, scale),
+        "targets": _targets(plan, objects, centre, scale),
+        "camera": _camera(scene, centre, scale),
+        "evenness": np.ones((GRID, GRID), np.float32),
+    }
     for name in arrays.keys() - set(FIXED_ARRAYS):
         arrays[name] = arrays[name].astype(real_fields(arrays[name].dtype, kind.host), copy=False)
     kinds = [shape.material for shape in scene.shapes]
     glossy = [alpha for alpha in map(roughness, kinds) if alpha is not None]
     features = tree.defines() | {
-        "HAS_POINTS": len(scene.lights) > 0, "HAS_EMITTERS": len(lights["emitter_triangles"]) > 0,
-        "NUM_POINTS": len(scene.lights), "NUM_EMITTER_TRIANGLES": len(lights["emitter_triangles"]),
-        "NUM_APERTURES": len(plan.apertures), "NUM_TARGETS": len(plan.apertures) + len(plan.aimed_objects),
+        "HAS_POINTS": len(scene.lights) > 0,
+        "HAS_EMITTERS": len(lights["emitter_triangles"]) > 0,
+        "NUM_POINTS": len(scene.lights),
+        "NUM_EMITTER_TRIANGLES": len(lights["emitter_triangles"]),
+        "NUM_APERTURES": len(plan.apertures),
+        "NUM_TARGETS": len(plan.apertures) + len(plan.aimed_objects),
         "HAS_DIFFUSE": any(isinstance(kind, Diffuse | MetallicRoughness) for kind in kinds),
-        "HAS_GLOSSY": bool(glossy), "HAS_TRANSMIT": any(isinstance(kind, RoughDielectric) for kind in kinds),
-        "HAS_NARROW": any(alpha < NARROW_ALPHA for alpha in glossy), "HAS_SMOOTH": bool(smooth.any()),
-        "HAS_TEXTURES": len(textures["textures"]) > 0, "HAS_SMALL_OBJECTS": plan.small_objects > 0,
-    }  # fmt: skip
+        "HAS_GLOSSY": bool(glossy),
+        "HAS_TRANSMIT": any(isinstance(kind, RoughDielectric) for kind in kinds),
+        "HAS_NARROW": any(alpha < NARROW_ALPHA for alpha in glossy),
+        "HAS_SMOOTH": bool(smooth.any()),
+        "HAS_TEXTURES": len(textures["textures"]) > 0,
+        "HAS_SMALL_OBJECTS": plan.small_objects > 0,
+    }
     endings = tuple(e for e, has in enumerate((features["HAS_POINTS"], features["HAS_EMITTERS"])) if has)
     return CompiledScene(arrays, features, plan, tuple(objects), endings, centre, scale, lights["radiance_scale"])
 
@@ -223,10 +239,13 @@ def _lights(scene: Scene, areas: np.ndarray, shape_of: np.ndarray, centre: np.nd
     emitters["density"] = density
     cdf = np.cumsum(areas[emitting] * density[emitter_of_shape[shape_of[emitting]]])
     return {
-        "points": points, "emitters": emitters, "emitter_cdf": cdf,
-        "emitter_triangles": emitting.astype(np.int32), "emitter_of_shape": emitter_of_shape,
+        "points": points,
+        "emitters": emitters,
+        "emitter_cdf": cdf,
+        "emitter_triangles": emitting.astype(np.int32),
+        "emitter_of_shape": emitter_of_shape,
         "radiance_scale": 1 / exposure,
-    }  # fmt: skip
+    }
 
 
 def _shares(power: np.ndarray) -> np.ndarray:

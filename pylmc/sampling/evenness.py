@@ -32,4 +32,3 @@ def even_weights(positions: np.ndarray, weights: np.ndarray) -> np.ndarray:
     rough = ndimage.median_filter(rough / rough.mean(), MEDIAN, mode="nearest")
     even = 1 / (rough + FLOOR)
     return (even / even.mean()).astype(np.float32)
-

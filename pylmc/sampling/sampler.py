@@ -71,8 +71,10 @@ class Sampler:
         """A group for each path length and ending that the settings admit, nothing known of them yet."""
         kinds = [(k, e) for k in range(1, self.settings.max_depth + 1) for e in self.compiled.endings if k > 1 or e == 1]
         if not kinds:
-            raise PylmcError("max_depth=1 leaves only emitters seen directly, and this scene has point lights only; "
-                             "use --max-depth 2 or more")  # fmt: skip
+            raise PylmcError(
+                "max_depth=1 leaves only emitters seen directly, and this scene has point lights only; "
+                "use --max-depth 2 or more"
+            )
         return [Group(length, ending, slot, np.zeros(0), np.zeros((0, 2))) for slot, (length, ending) in enumerate(kinds)]
 
     def weigh(self, candidates: int = 1 << 18, seed: int = 0) -> list[Group]:
@@ -88,8 +90,10 @@ class Sampler:
     def _check_found(self, groups: list[Group], candidates: int) -> None:
         if not any(group.weight_sum > 0 for group in groups):
             tried = candidates * len(self.path_groups())
-            raise PylmcError(f"no light path was found in {tried} tries (up to {self.settings.max_depth} segments): check "
-                             "that the camera sees a surface that light can reach, or raise --max-depth")  # fmt: skip
+            raise PylmcError(
+                f"no light path was found in {tried} tries (up to {self.settings.max_depth} segments): check "
+                "that the camera sees a surface that light can reach, or raise --max-depth"
+            )
 
     def _weigh(self, candidates: int, seed: int, numbers_from: int = 0) -> list[Group]:
         self.seed = seed
@@ -102,9 +106,18 @@ class Sampler:
             parts, places = [], []
             for first in range(0, candidates, CANDIDATES_PER_LAUNCH):
                 count = min(CANDIDATES_PER_LAUNCH, candidates - first)
-                device.launch(kernel, count, np.uint32(seed), np.uint32(group.slot), np.int32(group.length),
-                              np.int32(group.ending), np.uint32(numbers_from + first), np.uint32(count), out,
-                              out_positions)  # fmt: skip
+                device.launch(
+                    kernel,
+                    count,
+                    np.uint32(seed),
+                    np.uint32(group.slot),
+                    np.int32(group.length),
+                    np.int32(group.ending),
+                    np.uint32(numbers_from + first),
+                    np.uint32(count),
+                    out,
+                    out_positions,
+                )
                 parts.append(device.read_reals(out, CANDIDATES_PER_LAUNCH)[:count])
                 places.append(device.read_reals(out_positions, (CANDIDATES_PER_LAUNCH, 2))[:count])
             group.log_weights = np.concatenate(parts).astype(np.float64)
@@ -160,9 +173,18 @@ class Sampler:
 
     def _launch(self, steps: int) -> None:
         self.device_scene.launch(
-            self._kernel, self.chains, np.uint32(self.seed), np.uint64(self.steps_done), np.int32(steps),
-            np.uint32(self.chains), *self._step_numbers(), self._states, self._counters, self._film,
-            np.int32(self.film_pixels))  # fmt: skip
+            self._kernel,
+            self.chains,
+            np.uint32(self.seed),
+            np.uint64(self.steps_done),
+            np.int32(steps),
+            np.uint32(self.chains),
+            *self._step_numbers(),
+            self._states,
+            self._counters,
+            self._film,
+            np.int32(self.film_pixels),
+        )
 
     def _step_numbers(self) -> tuple[np.float32, np.float32, np.float32]:
         """What markov_step.cl needs to know of a step: the probability of a large one, and the range of log h."""
@@ -214,8 +236,9 @@ class Sampler:
             group.weight_square_sum += float(part["weight_square_sum"].sum(dtype=np.float64))
         not_finite = int(counts["not_finite"].sum(dtype=np.int64)) + self._start_not_finite
         self._start_not_finite = 0
-        return Counters(counts["proposed"], counts["acceptance"], counts["trace"], not_finite,
-                        int(counts["rays"].sum(dtype=np.int64)))  # fmt: skip
+        return Counters(
+            counts["proposed"], counts["acceptance"], counts["trace"], not_finite, int(counts["rays"].sum(dtype=np.int64))
+        )
 
     def films(self) -> np.ndarray:
         """Each group's accumulated splats (groups, height, width, 3), float64, not yet normalised."""
@@ -244,11 +267,20 @@ class Sampler:
         self._check_started()
         device, k = self.device_scene, self.settings.max_depth
         chains = self.chains
-        shapes = {"nodes": (k, 3), "directions": (k, 3), "deviations": (k, 2), "kinds": (k,), "lobes": (k,),
-                  "densities": (2,), "factors": (2 * k, 2 * k),
-                  "gradients": (2 * k,)}  # fmt: skip
-        arrays = {name: np.full((chains, *shape), -1, np.int32) if name in ("kinds", "lobes")
-                  else np.full((chains, *shape), np.nan) for name, shape in shapes.items()}  # fmt: skip
+        shapes = {
+            "nodes": (k, 3),
+            "directions": (k, 3),
+            "deviations": (k, 2),
+            "kinds": (k,),
+            "lobes": (k,),
+            "densities": (2,),
+            "factors": (2 * k, 2 * k),
+            "gradients": (2 * k,),
+        }
+        arrays = {
+            name: np.full((chains, *shape), -1, np.int32) if name in ("kinds", "lobes") else np.full((chains, *shape), np.nan)
+            for name, shape in shapes.items()
+        }
         arrays["factors"][:] = 0
         buffers = [device.upload(device.precision.to_device(array)) for array in arrays.values()]
         kernel = device.kernel("entry/inspect.cl", "describe_chains")
@@ -259,9 +291,20 @@ class Sampler:
             arrays[name] = device.read(buffer, np.int32, shape) if whole else device.read_reals(buffer, shape)
         raw = device.read_struct(self._states, "ChainState", chains)
         nodes = arrays["nodes"] * self.compiled.scale + self.compiled.centre
-        return States(raw["length"], raw["ending"], arrays["directions"][:, 0], nodes, arrays["directions"],
-                      arrays["deviations"], arrays["lobes"], arrays["kinds"], arrays["densities"][:, 0],
-                      arrays["densities"][:, 1], arrays["factors"], arrays["gradients"])  # fmt: skip
+        return States(
+            raw["length"],
+            raw["ending"],
+            arrays["directions"][:, 0],
+            nodes,
+            arrays["directions"],
+            arrays["deviations"],
+            arrays["lobes"],
+            arrays["kinds"],
+            arrays["densities"][:, 0],
+            arrays["densities"][:, 1],
+            arrays["factors"],
+            arrays["gradients"],
+        )
 
     def displaced(self, deltas: np.ndarray, block: int = 0) -> tuple[np.ndarray, np.ndarray]:
         """Where displacements (chains, 2 K) in the chains' charts lead: nodes (scaled units) and directions; NaN: nowhere."""
@@ -270,8 +313,16 @@ class Sampler:
         shape = (self.chains, k, 3)
         nodes, directions = (device.upload_reals(np.full(shape, np.nan)) for _ in range(2))
         kernel = device.kernel("entry/inspect.cl", "displace_chains")
-        device.launch(kernel, self.chains, np.uint32(self.chains), self._states, np.int32(block),
-                      device.upload_reals(deltas), nodes, directions)  # fmt: skip
+        device.launch(
+            kernel,
+            self.chains,
+            np.uint32(self.chains),
+            self._states,
+            np.int32(block),
+            device.upload_reals(deltas),
+            nodes,
+            directions,
+        )
         return device.read_reals(nodes, shape), device.read_reals(directions, shape)
 
     def trial(self, step: int | None = None) -> Trial:
@@ -287,9 +338,22 @@ class Sampler:
         whole = {name: device.upload(np.full((chains, *shape), -1, np.int32)) for name, shape in counts.items()}
         real = {name: device.upload_reals(np.full((chains, *shape), np.nan)) for name, shape in reals.items()}
         kernel = device.kernel("entry/inspect.cl", "try_step")
-        device.launch(kernel, chains, np.uint32(self.seed), np.uint64(number), np.uint32(chains), *self._step_numbers(),
-                      self._states, whole["drawn"], real["numbers"], real["xi"], real["nodes"], real["directions"],
-                      whole["lobes"], whole["triangles"])  # fmt: skip
+        device.launch(
+            kernel,
+            chains,
+            np.uint32(self.seed),
+            np.uint64(number),
+            np.uint32(chains),
+            *self._step_numbers(),
+            self._states,
+            whole["drawn"],
+            real["numbers"],
+            real["xi"],
+            real["nodes"],
+            real["directions"],
+            whole["lobes"],
+            whole["triangles"],
+        )
         drawn, lobes, triangles = (device.read(whole[name], np.int32, (chains, *shape)) for name, shape in counts.items())
         numbers, xi, nodes, directions = (device.read_reals(real[name], (chains, *shape)) for name, shape in reals.items())
         move, exists = drawn[:, 0], drawn[:, 1] != 1  # STEP_NO_PATH
@@ -297,5 +361,19 @@ class Sampler:
         # small_step.cl leaves out what the step and its reverse have in common
         common = np.where(move > 0, move * np.log(2 * np.pi) + 2 * move * np.log(np.where(move > 0, h, 1)), 0)
         log_pi = np.where(exists, log_pi, np.nan)
-        return Trial(move, h, xi, exists, nodes, directions, lobes, triangles, log_forward - common, log_reverse - common,
-                     log_pi, acceptance, uniform, uniform < acceptance)  # fmt: skip
+        return Trial(
+            move,
+            h,
+            xi,
+            exists,
+            nodes,
+            directions,
+            lobes,
+            triangles,
+            log_forward - common,
+            log_reverse - common,
+            log_pi,
+            acceptance,
+            uniform,
+            uniform < acceptance,
+        )

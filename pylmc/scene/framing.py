@@ -20,9 +20,7 @@ def frame(shapes: Sequence[Shape], width: int, height: int) -> Camera:
     """A camera that sees all of ``shapes`` from the front, to the right and above (y is up)."""
     points = np.concatenate([np.asarray(shape.mesh.vertices, dtype=np.float64) for shape in shapes])
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
-    back = np.array(
-        [math.sin(AZIMUTH) * math.cos(ELEVATION), math.sin(ELEVATION), math.cos(AZIMUTH) * math.cos(ELEVATION)]
-    )
+    back = np.array([math.sin(AZIMUTH) * math.cos(ELEVATION), math.sin(ELEVATION), math.cos(AZIMUTH) * math.cos(ELEVATION)])
     right, up, _ = Camera(middle + back, middle, fov=FOV, width=width, height=height).axes()
     local = points - middle
     towards = local @ back
@@ -96,9 +94,7 @@ def _unseen(camera: Camera, corners: np.ndarray) -> bool:
     x, y, z = local @ right, local @ up, local @ forward
     top = math.tan(math.radians(camera.fov) / 2)
     side = top * camera.width / camera.height
-    return bool(
-        np.all(z < 0) or np.all(y > top * z) or np.all(-y > top * z) or np.all(x > side * z) or np.all(-x > side * z)
-    )
+    return bool(np.all(z < 0) or np.all(y > top * z) or np.all(-y > top * z) or np.all(x > side * z) or np.all(-x > side * z))
 
 
 def _light(corners: np.ndarray, middle: np.ndarray, share: float, name: str) -> Shape:

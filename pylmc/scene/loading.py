@@ -70,8 +70,10 @@ def _build(name: str, values: dict[str, Any]) -> Scene:
         except (TypeError, ValueError):
             raise PylmcError(f"scene '{name}': {key}={value!r} is not a number") from None
         if not 0 < values[key] <= LIMITS.get(key, float("inf")):
-            raise PylmcError(f"scene '{name}': {key}={values[key]:g} must be greater than 0"
-                             + (f" and at most {LIMITS[key]:g}" if key in LIMITS else ""))  # fmt: skip
+            raise PylmcError(
+                f"scene '{name}': {key}={values[key]:g} must be greater than 0"
+                + (f" and at most {LIMITS[key]:g}" if key in LIMITS else "")
+            )
     return scene_module(name).build(**values)
 
 

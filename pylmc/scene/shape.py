@@ -52,8 +52,10 @@ class Shape:
         if len(wrong):
             raise PylmcError(f"shape '{label}': a face names vertex {int(wrong[0])}, but there are {len(mesh.vertices)}")
         if not isinstance(self.material, Material):
-            raise PylmcError(f"shape '{label}': unknown material {self.material!r}; use Diffuse, RoughConductor, "
-                             "RoughDielectric or MetallicRoughness")  # fmt: skip
+            raise PylmcError(
+                f"shape '{label}': unknown material {self.material!r}; use Diffuse, RoughConductor, "
+                "RoughDielectric or MetallicRoughness"
+            )
         if self.emission is not None:
             emission = as_rgb(self.emission, f"shape '{label}': emission")
             if max(emission) > 0 and not mesh.area > 0:

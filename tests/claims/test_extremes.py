@@ -28,8 +28,18 @@ from pylmc.scene.loading import BUILT_IN
 PRECISIONS = ("single", "mixed", "double")
 LARGEST_FILM = 2048  # in a quick test; 8192 takes gigabytes
 # the axes whose scenes share kernels, so that little is compiled, and the depth that they share
-QUICK = {"hole": 4, "scale": 4, "distance": 4, "intensity": 4, "film": 4, "grazing camera": 3, "grazing light": 3, "zoom": 3,
-         "triangles": 3, "emitter": 3}  # fmt: skip
+QUICK = {
+    "hole": 4,
+    "scale": 4,
+    "distance": 4,
+    "intensity": 4,
+    "film": 4,
+    "grazing camera": 3,
+    "grazing light": 3,
+    "zoom": 3,
+    "triangles": 3,
+    "emitter": 3,
+}
 DEPTH = 8  # of "path length" here; the bench goes to 32
 AXIS = {axis.name: axis for axis in AXES}
 
@@ -95,10 +105,17 @@ def test_built_in_scenes_are_within_every_limit(name: str, precision: str) -> No
 
 
 # an axis, a value beyond the limits of single and of mixed (None where mixed has none), what the sentence names
-BEYOND = [("hole", 1e-5, 1e-6, "aperture 0"), ("object", 1e-5, 1e-5, "'small box'"), ("emitter", 1e-5, None, "'lamp'"),
-          ("grazing camera", 1e-6, 1e-6, "the camera is very close to 'floor'"), ("grazing light", 1e-6, 1e-6, "light 0"),
-          ("zoom", 1e-5, None, "view"), ("grazing camera", 1e-3, None, "view"), ("glass", 1e-8, None, "'glass ball'"),
-          ("roughness", 1e-8, None, "'mirror'")]  # fmt: skip
+BEYOND = [
+    ("hole", 1e-5, 1e-6, "aperture 0"),
+    ("object", 1e-5, 1e-5, "'small box'"),
+    ("emitter", 1e-5, None, "'lamp'"),
+    ("grazing camera", 1e-6, 1e-6, "the camera is very close to 'floor'"),
+    ("grazing light", 1e-6, 1e-6, "light 0"),
+    ("zoom", 1e-5, None, "view"),
+    ("grazing camera", 1e-3, None, "view"),
+    ("glass", 1e-8, None, "'glass ball'"),
+    ("roughness", 1e-8, None, "'mirror'"),
+]
 
 
 @pytest.mark.parametrize(("name", "single", "mixed", "named"), BEYOND)
@@ -131,8 +148,19 @@ def test_info_and_the_sampler_say_so() -> None:
 def test_the_command_warns_in_one_line(capsys: pytest.CaptureFixture[str], tmp_path: Any) -> None:
     from pylmc.cli.commands import main
 
-    arguments = ["render", "keyhole:hole=1e-5", "-o", str(tmp_path / "a.exr"), "--mutations-per-pixel", "1", "--size", "8x8",
-                 "--max-depth", "2", "--quiet"]  # fmt: skip
+    arguments = [
+        "render",
+        "keyhole:hole=1e-5",
+        "-o",
+        str(tmp_path / "a.exr"),
+        "--mutations-per-pixel",
+        "1",
+        "--size",
+        "8x8",
+        "--max-depth",
+        "2",
+        "--quiet",
+    ]
     assert main(arguments) == 0
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("pylmc: warning: aperture 0 at (0, 0.5, 0.5) is very small") and "use precision '" in line
@@ -140,8 +168,9 @@ def test_the_command_warns_in_one_line(capsys: pytest.CaptureFixture[str], tmp_p
 
 def test_a_black_picture_is_not_silent() -> None:
     with pytest.warns(PylmcWarning, match="black.*use integrator 'lmc'"):
-        pylmc.render(AXIS["hole"].build(1e-4), mutations_per_pixel=1, integrator="path", max_depth=4, progress=False,
-                     precision="double")  # fmt: skip
+        pylmc.render(
+            AXIS["hole"].build(1e-4), mutations_per_pixel=1, integrator="path", max_depth=4, progress=False, precision="double"
+        )
 
 
 def test_large_pictures_come_group_by_group() -> None:

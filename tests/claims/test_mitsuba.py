@@ -55,14 +55,18 @@ def test_same_picture(name: str, integrator: str) -> None:
 
 MISTAKES: dict[str, tuple[str, Callable[[Description], Description]]] = {
     "reflectance off by a fiftieth": (
-        "smooth-ball", lambda scene: scene.with_materials({Matte(RED): Matte((0.7 * 1.02, 0.15 * 1.02, 0.1 * 1.02))})),
+        "smooth-ball",
+        lambda scene: scene.with_materials({Matte(RED): Matte((0.7 * 1.02, 0.15 * 1.02, 0.1 * 1.02))}),
+    ),
     "vertex normals left out": ("smooth-ball", Description.faceted),
     "one segment too many": ("room", lambda scene: scene.with_depth(scene.depth + 1)),
     "index inverted in a slab": ("pane-front", lambda scene: scene.with_materials({PANE: Glass(PANE.alpha, 1 / PANE.ior)})),
     "index inverted in one interface": (
-        "lamp-in-water", lambda scene: scene.with_materials({WATER: Glass(WATER.alpha, 1 / WATER.ior)})),
+        "lamp-in-water",
+        lambda scene: scene.with_materials({WATER: Glass(WATER.alpha, 1 / WATER.ior)}),
+    ),
     "roughness off by a tenth": ("pane-behind", lambda scene: scene.with_materials({PANE: Glass(1.1 * PANE.alpha, PANE.ior)})),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("mistake", MISTAKES)

@@ -103,8 +103,17 @@ def test_failures_leave_evidence(failed: Verdict, tmp_path: Path, monkeypatch: p
         evidence.confirm(failed, "scene/path")
     folder = tmp_path / "out" / "scene" / "path"
     files = {file.name for file in folder.iterdir()}
-    assert files == {"tested.exr", "expected.exr", "difference.exr", "standard_errors.exr", "p_values.exr", "tested.png",
-                     "expected.png", "standard_errors.png", "verdict.json"}  # fmt: skip
+    assert files == {
+        "tested.exr",
+        "expected.exr",
+        "difference.exr",
+        "standard_errors.exr",
+        "p_values.exr",
+        "tested.png",
+        "expected.png",
+        "standard_errors.png",
+        "verdict.json",
+    }
     assert np.allclose(read_exr(folder / "difference.exr")[0], failed.mean - failed.expected, rtol=1e-6, atol=1e-6)
     assert np.allclose(read_exr(folder / "p_values.exr")[0], failed.p["pixels"], rtol=1e-6)
     numbers = json.loads((folder / "verdict.json").read_text())

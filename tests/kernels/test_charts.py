@@ -244,8 +244,17 @@ def test_proposal_density_integrates_to_one(kind: str, projection: str) -> None:
         v = np.stack([sine * np.cos(phi), sine * np.sin(phi), np.broadcast_to(z[:, None], (400, 400))], axis=-1)
         v = v.reshape(-1, 3) @ frame
         n = len(v)
-        out = run(device, "probe_chart", n, 7, np.int32(0), np.int32(KINDS[kind]), np.broadcast_to(plane, (n, 4, 3)),
-                  np.zeros((n, 2)), v)  # fmt: skip
+        out = run(
+            device,
+            "probe_chart",
+            n,
+            7,
+            np.int32(0),
+            np.int32(KINDS[kind]),
+            np.broadcast_to(plane, (n, 4, 3)),
+            np.zeros((n, 2)),
+            v,
+        )
         delta, log_jacobian = out[:, 3:5] / length, out[:, 6]
         gauss = np.exp(-(delta**2).sum(axis=-1) / (2 * h**2)) / (2 * np.pi * (h * length) ** 2)
         total = np.nansum(gauss * np.exp(-log_jacobian) * np.repeat(weight * 2 * np.pi / 400, 400))

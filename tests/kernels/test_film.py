@@ -36,8 +36,14 @@ def add(device: DeviceScene, pixels: np.ndarray, values: np.ndarray) -> np.ndarr
     """The film (PIXELS, 3) of 64-bit words after concurrent additions."""
     kernel = build_probe(device, SOURCE, "probe_film")
     film = device.zeros(24 * PIXELS)
-    device.launch(kernel, len(pixels), np.int32(len(pixels)), device.upload(pixels.astype(np.int32)),
-                  device.upload(values.astype(np.float32)), film)  # fmt: skip
+    device.launch(
+        kernel,
+        len(pixels),
+        np.int32(len(pixels)),
+        device.upload(pixels.astype(np.int32)),
+        device.upload(values.astype(np.float32)),
+        film,
+    )
     return device.read(film, np.dtype("<u8"), (PIXELS, 3))
 
 

@@ -170,7 +170,6 @@ def test_b_of_an_evened_target_is_not_biased() -> None:
 # --- films by path length ------------------------------------------------------------------------------------------
 
 
-
 @pytest.mark.parametrize("name", SCENES)
 def test_bdpt_and_path_tracer_agree_by_path_length(name: str) -> None:
     """Each group's film, pixel by pixel and in total: two samplers that share only lobes and rays."""

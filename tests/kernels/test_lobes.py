@@ -45,13 +45,19 @@ EPS = float(np.finfo(np.float32).eps)
 
 MATERIALS = [
     Diffuse((0.2, 0.5, 0.8)),
-    *(RoughConductor(alpha, (0.9, 0.8, 0.7), masking) for alpha in (1.0, 0.3, 0.05, 1e-3)
-      for masking in ("height-correlated", "separable")),
-    *(RoughDielectric(alpha, ior, masking) for alpha, ior in ((0.5, 1.5), (0.2, 1.5), (0.3, 0.75), (0.05, 1.33))
-      for masking in ("height-correlated", "separable")),
+    *(
+        RoughConductor(alpha, (0.9, 0.8, 0.7), masking)
+        for alpha in (1.0, 0.3, 0.05, 1e-3)
+        for masking in ("height-correlated", "separable")
+    ),
+    *(
+        RoughDielectric(alpha, ior, masking)
+        for alpha, ior in ((0.5, 1.5), (0.2, 1.5), (0.3, 0.75), (0.05, 1.33))
+        for masking in ("height-correlated", "separable")
+    ),
     MetallicRoughness((0.9, 0.4, 0.1), 0.3, 0.6),
     MetallicRoughness((0.9, 0.4, 0.1), 1.0, 0.8),
-]  # fmt: skip
+]
 
 SOURCE = """
 #include "number/vectors.cl"
@@ -132,8 +138,18 @@ class Lobes:
         device = self.device
         other, lobes = device.zeros(12 * n), device.zeros(4 * n)
         normals = np.stack([ns, ns]).astype(np.float32)
-        device.launch(self._samples, n, np.int32(n), self.index(material), np.int32(lobe), device.upload(normals),
-                      device.upload(known.astype(np.float32)), np.uint32(seed), other, lobes)  # fmt: skip
+        device.launch(
+            self._samples,
+            n,
+            np.int32(n),
+            self.index(material),
+            np.int32(lobe),
+            device.upload(normals),
+            device.upload(known.astype(np.float32)),
+            np.uint32(seed),
+            other,
+            lobes,
+        )
         return device.read(other, np.float32, (n, 3)).astype(float), device.read(lobes, np.int32, n)
 
 
@@ -290,9 +306,11 @@ def facet_integrals(record: np.void, n: Array, wi: Array) -> FacetIntegrals:
 
     up, down = (ki > 0) & (r @ n > 0), (ki > 0) & (t @ n < 0)
     return FacetIntegrals(
-        float((visible * share)[up].sum()), float((visible * (1 - share))[down].sum()),
-        float((visible * share * masked(r))[up].sum()), float((visible * (1 - share) * masked(t))[down].sum()),
-    )  # fmt: skip
+        float((visible * share)[up].sum()),
+        float((visible * (1 - share))[down].sum()),
+        float((visible * share * masked(r))[up].sum()),
+        float((visible * (1 - share) * masked(t))[down].sum()),
+    )
 
 
 @pytest.mark.parametrize("case", WIDE, ids=name_of)
@@ -345,9 +363,11 @@ def test_dielectric_shares_out_all_light(lobes: Lobes, index: int) -> None:
 # --- sampling ------------------------------------------------------------------------------------------------------
 
 # one case a material: a dielectric's two lobes are one draw, and masking does not enter the sampling
-SAMPLED = [(i, lobes_of(m)[-1 if isinstance(m, RoughConductor | MetallicRoughness) else 0])
-           for i, m in enumerate(MATERIALS)
-           if getattr(m, "alpha", 1.0) >= 0.2 and getattr(m, "masking", "") != "separable"]  # fmt: skip
+SAMPLED = [
+    (i, lobes_of(m)[-1 if isinstance(m, RoughConductor | MetallicRoughness) else 0])
+    for i, m in enumerate(MATERIALS)
+    if getattr(m, "alpha", 1.0) >= 0.2 and getattr(m, "masking", "") != "separable"
+]
 COSINES = (0.8, 0.25, -0.6)
 
 

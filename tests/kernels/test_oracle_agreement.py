@@ -205,18 +205,28 @@ def small_steps(laid: Laid, fault: str = "") -> tuple[Tally, int, int]:
 
         def quantities(p: Paths, rounding: Rounding | None, h: Array, xi: Array, onto: Array, m: int = m) -> dict[str, Array]:
             step = small_step(world, p, m, settings, h, xi, fault, onto, rounding)
-            return {"nodes": step.proposal.x[:, 1:], "directions": step.proposal.v[:, 1:], "log pi": step.log_pi,
-                    "log forward": step.log_forward, "log reverse": step.log_reverse,
-                    "log acceptance": np.clip(step.log_acceptance, LEAST, 0)}  # fmt: skip
+            return {
+                "nodes": step.proposal.x[:, 1:],
+                "directions": step.proposal.v[:, 1:],
+                "log pi": step.log_pi,
+                "log forward": step.log_forward,
+                "log reverse": step.log_reverse,
+                "log acceptance": np.clip(step.log_acceptance, LEAST, 0),
+            }
 
         numbers = h[chosen], xi[chosen], step.proposal.triangle[chosen]
         found = condition(quantities, world, paths.take(chosen), *numbers)
         k, chains = paths.length, chains[chosen]
         with np.errstate(divide="ignore"):
             decided = np.maximum(np.log(trial.acceptance[chains]), LEAST)
-        kernel = {"nodes": trial.nodes[chains][:, :k], "directions": trial.directions[chains][:, :k],
-                  "log pi": trial.log_pi[chains], "log forward": trial.log_forward[chains],
-                  "log reverse": trial.log_reverse[chains], "log acceptance": decided}  # fmt: skip
+        kernel = {
+            "nodes": trial.nodes[chains][:, :k],
+            "directions": trial.directions[chains][:, :k],
+            "log pi": trial.log_pi[chains],
+            "log forward": trial.log_forward[chains],
+            "log reverse": trial.log_reverse[chains],
+            "log acceptance": decided,
+        }
         for name, values in kernel.items():
             tally.add(name, found[name].roundings(values, laid.epsilon))
     return tally, stray, total

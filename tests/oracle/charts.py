@@ -26,8 +26,11 @@ def carry_frame(s: Surface, v: Array, frame: Array, reference: Array) -> Array:
     Reflected with the light, then turned from the mirror direction to the reference; refraction turns from v itself.
     """
     reflected = mirror(frame, s.ns)
-    turned = np.where((s.lobe == TRANSMIT)[:, None], turn_minimally(frame, v, reference),
-                      turn_minimally(reflected, mirror(v, s.ns), reference))  # fmt: skip
+    turned = np.where(
+        (s.lobe == TRANSMIT)[:, None],
+        turn_minimally(frame, v, reference),
+        turn_minimally(reflected, mirror(v, s.ns), reference),
+    )
     straight = (s.lobe == REFLECT) | (s.lobe == DIELECTRIC_REFLECT)
     return np.where(straight[:, None], reflected, turned)
 

@@ -37,8 +37,14 @@ class Draft:
     def node(self, i: int) -> Surface:
         """Node i as a scatterer."""
         world, triangle, x = self.world, np.maximum(self.triangle[:, i], 0), self.x[:, i]
-        return Surface(x, world.normals[triangle], world.shading_normal(triangle, x), world.texture(triangle, x),
-                       world.materials[triangle], self.lobe[:, i])  # fmt: skip
+        return Surface(
+            x,
+            world.normals[triangle],
+            world.shading_normal(triangle, x),
+            world.texture(triangle, x),
+            world.materials[triangle],
+            self.lobe[:, i],
+        )
 
     def trace(self, i: int, j: int, direction: Array, wanted: Array, streams: Streams) -> None:
         """Node j is what rays from node i along ``direction`` meet, with a lobe of its material's choice."""

@@ -85,8 +85,11 @@ class World:
             column, row = uv[:, 0] * w - 0.5, (1 - uv[:, 1]) * h - 0.5  # row 0 is the image's top
             c, r = np.floor(column).astype(int), np.floor(row).astype(int)
             fc, fr = (column - c)[:, None], (row - r)[:, None]
-            tint[here] = sum(wc * wr * image[(r + j) % h, (c + i) % w]
-                             for i, wc in ((0, 1 - fc), (1, fc)) for j, wr in ((0, 1 - fr), (1, fr)))  # fmt: skip
+            tint[here] = sum(
+                wc * wr * image[(r + j) % h, (c + i) % w]
+                for i, wc in ((0, 1 - fc), (1, fc))
+                for j, wr in ((0, 1 - fr), (1, fr))
+            )
         return tint
 
     def cast(self, origins: Array, directions: Array, skip: Array | None = None) -> tuple[Array, Array]:

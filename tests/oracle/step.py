@@ -128,16 +128,23 @@ def small_step(
 
     back = Charts(world, proposal, m, settings, moved.frame)
     exists = moved.exists & np.isfinite(log_pi(world, proposal)) & np.all(back.kinds == charts.kinds, axis=1)
-    deltas, jacobians = zip(*(back.delta(j, paths.x[:, j - 1], paths.v[:, j], charts.omega[:, j])
-                              for j in range(1, m + 1)), strict=True)  # fmt: skip
+    deltas, jacobians = zip(
+        *(back.delta(j, paths.x[:, j - 1], paths.v[:, j], charts.omega[:, j]) for j in range(1, m + 1)), strict=True
+    )
     delta_back, log_jacobian_back = np.concatenate(deltas, axis=1), np.sum(jacobians, axis=0)
     exists &= np.all(np.isfinite(delta_back), axis=1) & np.isfinite(log_jacobian_back)
     exists &= np.all(np.isfinite(back.omega + charts.omega), axis=(1, 2))
     # the rest on proposals that exist, the others' own paths standing in for them
     sound = exists[:, None, None]
-    here = replace(proposal, **{name: np.where(exists.reshape(-1, *[1] * (getattr(paths, name).ndim - 1)),
-                                               getattr(proposal, name), getattr(paths, name))
-                                for name in ("triangle", "x", "v", "t", "ng", "ns", "tint")})  # fmt: skip
+    here = replace(
+        proposal,
+        **{
+            name: np.where(
+                exists.reshape(-1, *[1] * (getattr(paths, name).ndim - 1)), getattr(proposal, name), getattr(paths, name)
+            )
+            for name in ("triangle", "x", "v", "t", "ng", "ns", "tint")
+        },
+    )
     back = Charts(world, here, m, settings, np.where(exists[:, None], moved.frame, charts.p))
     back_tangents = Tangents(back, rounding)
     back_factor = proposal_factor(back, back_tangents)

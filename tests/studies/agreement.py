@@ -76,8 +76,18 @@ def path_batches(name: str, ending: int, batches: int, passes: int, depth: int) 
         before = np.zeros((scene.camera.height, scene.camera.width, 3))
         for k in range(1, depth + 1):
             film = device.zeros(12 * pixels)
-            device.launch(kernel, pixels, np.uint32(900 + batch % 4), np.uint64(batch * passes), np.int32(passes),
-                          np.int32(k), np.int32(0), np.int32(pixels), counters, film)  # fmt: skip
+            device.launch(
+                kernel,
+                pixels,
+                np.uint32(900 + batch % 4),
+                np.uint64(batch * passes),
+                np.int32(passes),
+                np.int32(k),
+                np.int32(0),
+                np.int32(pixels),
+                counters,
+                film,
+            )
             now = device.read(film, np.float32, before.shape).astype(float) / passes
             out[batch, k - 1] = (now - before) @ LUMINANCE
             before = now

@@ -44,9 +44,16 @@ class Start:
     """
 
     def __init__(
-        self, scene: Scene, weights: np.ndarray | None = None, *, precision: str = "single", max_depth: int = 3,
-        chains: int = 8192, candidates: int = 1 << 19, seed: int = 101,
-    ) -> None:  # fmt: skip
+        self,
+        scene: Scene,
+        weights: np.ndarray | None = None,
+        *,
+        precision: str = "single",
+        max_depth: int = 3,
+        chains: int = 8192,
+        candidates: int = 1 << 19,
+        seed: int = 101,
+    ) -> None:
         self.scene, self.precision, self.max_depth = scene, precision, max_depth
         self.sampler = (Sampler if weights is None else Weighted)(scene, precision=precision, max_depth=max_depth)
         if weights is not None:

@@ -29,13 +29,23 @@ def rectangle(*corner_and_edges: tuple[float, float, float]) -> tuple[np.ndarray
 
 def both_endings(name: str) -> Scene:
     """A built-in scene, made easy enough for an exact start, with a point light and an emitter."""
-    parameters = {"keyhole": {"hole": 0.3, "roughness": 0.2}, "caustic": {"roughness": 0.25},
-                  "glints": {"size": 0.3, "roughness": 0.2}}  # fmt: skip
+    parameters = {
+        "keyhole": {"hole": 0.3, "roughness": 0.2},
+        "caustic": {"roughness": 0.25},
+        "glints": {"size": 0.3, "roughness": 0.2},
+    }
     scene = load(name, **parameters[name]).with_size(FILM, FILM)
-    panel = Shape(rectangle(*{
-        "keyhole": ((-0.9, 0.95, 0.3), (0.2, 0, 0), (0, 0, 0.3)), "glints": ((0.2, 1.6, 0.8), (0.25, 0, 0), (0, 0, 0.25)),
-        "caustic": ((1.0, 2.5, 1.0), (0.3, 0, 0), (0, 0, 0.3)),
-    }[name]), Diffuse(0.0), emission=20.0)  # fmt: skip
+    panel = Shape(
+        rectangle(
+            *{
+                "keyhole": ((-0.9, 0.95, 0.3), (0.2, 0, 0), (0, 0, 0.3)),
+                "glints": ((0.2, 1.6, 0.8), (0.25, 0, 0), (0, 0, 0.25)),
+                "caustic": ((1.0, 2.5, 1.0), (0.3, 0, 0), (0, 0, 0.3)),
+            }[name]
+        ),
+        Diffuse(0.0),
+        emission=20.0,
+    )
     lights = scene.lights or [PointLight((1.2, 2.2, 0.8), 6.0)]
     return Scene(scene.camera, [*scene.shapes, panel], lights, scene.apertures)
 
@@ -95,10 +105,15 @@ class Control:
 
 
 FACTORS: dict[str, tuple[Any, ...]] = {
-    "scene": ("keyhole", "caustic", "glints", "skewed"), "rule": ("sum", "mean", "rms"),
-    "coordinates": ("target", "deviation"), "chart": ("equal-area", "orthographic"), "drift": (False, True),
-    "projection": ("normalise", "orthographic"), "large_steps": (0.0, 0.3), "blocks": (True, False),
-}  # fmt: skip
+    "scene": ("keyhole", "caustic", "glints", "skewed"),
+    "rule": ("sum", "mean", "rms"),
+    "coordinates": ("target", "deviation"),
+    "chart": ("equal-area", "orthographic"),
+    "drift": (False, True),
+    "projection": ("normalise", "orthographic"),
+    "large_steps": (0.0, 0.3),
+    "blocks": (True, False),
+}
 
 
 def pairs(row: dict[str, Any]) -> set[tuple[tuple[str, Any], tuple[str, Any]]]:
@@ -129,19 +144,27 @@ def case(row: dict[str, Any]) -> Case:
 PAIRWISE = [case(row) for row in covering(FACTORS)]
 GRID_FACTORS = {name: FACTORS[name] for name in ("scene", "coordinates", "chart", "rule", "drift")}
 FULL = [Case("pairs of floats", "glints", {}, "float-float")]
-FULL += [case({**dict(zip(GRID_FACTORS, choice, strict=True)), "projection": "normalise", "large_steps": 0.0, "blocks": True})
-        for choice in itertools.product(*GRID_FACTORS.values())]  # fmt: skip
+FULL += [
+    case({**dict(zip(GRID_FACTORS, choice, strict=True)), "projection": "normalise", "large_steps": 0.0, "blocks": True})
+    for choice in itertools.product(*GRID_FACTORS.values())
+]
 
 OTHERS = [
     Case("large steps alone", "keyhole", {"large_steps": 1.0}),
     Case("isotropic steps", "glints", {"constraints": ()}),
-    *(Case(f"without {kind}", {"lobes": "keyhole", "holes": "keyhole", "objects": "glints", "normals": "caustic"}[kind],
-           {"constraints": tuple(k for k in CONSTRAINTS if k != kind)}) for kind in CONSTRAINTS),
+    *(
+        Case(
+            f"without {kind}",
+            {"lobes": "keyhole", "holes": "keyhole", "objects": "glints", "normals": "caustic"}[kind],
+            {"constraints": tuple(k for k in CONSTRAINTS if k != kind)},
+        )
+        for kind in CONSTRAINTS
+    ),
     Case("reduced differentials, drift", "caustic", {"differentials": "reduced", "drift": True}),
     Case("box, paths of up to 4 segments", "box", {}),
     Case("mixed precision, drift", "caustic", {"drift": True}, "mixed"),
     Case("double precision, drift", "skewed", {"drift": True}, "double"),
-]  # fmt: skip
+]
 
 PRECONDITIONED = Case("preconditioned steps", "keyhole", {}, steps=160)
 DRIFTING = Case("drift", "skewed", {"drift": True, "coordinates": "deviation"})

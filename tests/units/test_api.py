@@ -131,13 +131,19 @@ def test_without_budget_or_with_two(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 REFUSED = {
-    "integrator": ({"integrator": "pt"}, "integrator"), "precision": ({"precision": "half"}, "half"),
+    "integrator": ({"integrator": "pt"}, "integrator"),
+    "precision": ({"precision": "half"}, "half"),
     "seconds": ({"mutations_per_pixel": None, "seconds": float("nan")}, "seconds"),
-    "mutations": ({"mutations_per_pixel": -1}, "mutations_per_pixel"), "seed": ({"seed": -1}, "seed"),
-    "depth": ({"max_depth": 0}, "max_depth"), "chart": ({"chart": "polar"}, "chart"), "rule": ({"rule": "max"}, "rule"),
-    "coordinates": ({"coordinates": "polar"}, "coordinates"), "setting": ({"stepp": 1}, "stepp"),
-    "device": ({"device": "abacus"}, "abacus"), "point light": ({"max_depth": 1}, "max_depth"),
-}  # fmt: skip
+    "mutations": ({"mutations_per_pixel": -1}, "mutations_per_pixel"),
+    "seed": ({"seed": -1}, "seed"),
+    "depth": ({"max_depth": 0}, "max_depth"),
+    "chart": ({"chart": "polar"}, "chart"),
+    "rule": ({"rule": "max"}, "rule"),
+    "coordinates": ({"coordinates": "polar"}, "coordinates"),
+    "setting": ({"stepp": 1}, "stepp"),
+    "device": ({"device": "abacus"}, "abacus"),
+    "point light": ({"max_depth": 1}, "max_depth"),
+}
 
 
 @pytest.mark.parametrize("name", REFUSED)
@@ -230,9 +236,7 @@ def interrupted(arguments: list[str], until: str, folder: Path) -> tuple[int, st
     """Run the command, send SIGINT when stderr has shown ``until``; its exit code and what else stderr said."""
     command = [sys.executable, "-u", "-m", "pylmc", *arguments]
     environ = {**os.environ, "PYTHONPATH": str(Path(pylmc.__file__).parents[1])}
-    with subprocess.Popen(
-        command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, cwd=folder, env=environ
-    ) as process:
+    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, cwd=folder, env=environ) as process:
         assert process.stderr is not None
         said = b""
         while until.encode() not in said:
@@ -247,8 +251,23 @@ def interrupted(arguments: list[str], until: str, folder: Path) -> tuple[int, st
 @pytest.mark.parametrize("integrator", ["lmc", "path"])
 def test_interrupt_while_rendering_keeps_the_picture(integrator: str, tmp_path: Path) -> None:
     code, said = interrupted(
-        ["render", "box", "--size", "16x16", "--max-depth", "2", "--seconds", "100", "--integrator", integrator,
-         "-o", "box.exr"], "/s=", tmp_path)  # fmt: skip
+        [
+            "render",
+            "box",
+            "--size",
+            "16x16",
+            "--max-depth",
+            "2",
+            "--seconds",
+            "100",
+            "--integrator",
+            integrator,
+            "-o",
+            "box.exr",
+        ],
+        "/s=",
+        tmp_path,
+    )
     assert code == 130 and "so far" in said and "Traceback" not in said
     assert json.loads((tmp_path / "box.json").read_text())["interrupted"] is True
     assert read_exr(tmp_path / "box.exr")[0].sum() > 0 and (tmp_path / "box.png").exists()

@@ -25,8 +25,16 @@ _EXTERNAL = (
     "real real8_at(const real8 *row, int k);"
 )
 # The compiler's own macros.
-_CONSTANTS = {"INFINITY": FLOAT, "NAN": FLOAT, "FLT_MAX": FLOAT, "FLT_MIN": FLOAT, "FLT_EPSILON": FLOAT, "INT_MAX": INT,
-              "true": INT, "false": INT}  # fmt: skip
+_CONSTANTS = {
+    "INFINITY": FLOAT,
+    "NAN": FLOAT,
+    "FLT_MAX": FLOAT,
+    "FLT_MIN": FLOAT,
+    "FLT_EPSILON": FLOAT,
+    "INT_MAX": INT,
+    "true": INT,
+    "false": INT,
+}
 
 
 def parse(prepared: Prepared) -> c_ast.FileAST:

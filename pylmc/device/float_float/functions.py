@@ -12,9 +12,19 @@ Convert = Callable[[Term, Type], Term]
 
 # Functions of reals by components, with how many arguments, and what they are called in float_float.cl.
 ELEMENTWISE = {
-    "fabs": 1, "floor": 1, "trunc": 1, "sqrt": 1, "rsqrt": 1, "fmin": 2, "fmax": 2, "min": 2, "max": 2, "copysign": 2,
-    "clamp": 3, "mix": 3,
-}  # fmt: skip
+    "fabs": 1,
+    "floor": 1,
+    "trunc": 1,
+    "sqrt": 1,
+    "rsqrt": 1,
+    "fmin": 2,
+    "fmax": 2,
+    "min": 2,
+    "max": 2,
+    "copysign": 2,
+    "clamp": 3,
+    "mix": 3,
+}
 NAMES = {"min": "fmin", "max": "fmax"}
 SCALAR = {"exp": REAL, "log": REAL, "sin": REAL, "cos": REAL, "isnan": INT, "isinf": INT, "isfinite": INT}
 GEOMETRIC = {"dot": (2, 3), "length": (3,), "distance": (3,), "normalize": (3,), "cross": (3,)}  # and for which widths

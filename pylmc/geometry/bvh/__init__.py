@@ -39,8 +39,13 @@ class Bvh:
         """The constants that traverse.cl is compiled with."""
         needed = (self.width - 1) * self.depth + 1  # each level leaves at most width - 1 siblings waiting
         double = self.nodes.dtype == np.float64
-        return {"BVH_WIDTH": self.width, "BVH_STACK_SIZE": -(-needed // STACK_STEP) * STACK_STEP, "BVH_DOUBLE": double,
-                "BVH_REAL": "double" if double else "float", "BVH_INTEGER": "long" if double else "int"}  # fmt: skip
+        return {
+            "BVH_WIDTH": self.width,
+            "BVH_STACK_SIZE": -(-needed // STACK_STEP) * STACK_STEP,
+            "BVH_DOUBLE": double,
+            "BVH_REAL": "double" if double else "float",
+            "BVH_INTEGER": "long" if double else "int",
+        }
 
 
 def build(vertices: Any, faces: Any, width: int = 8, dtype: Any = np.float32) -> Bvh:

@@ -103,9 +103,7 @@ def grow(box: np.ndarray, width: int) -> BinaryTree:
         if len(count) == 0:
             break
         start = np.cumsum(count) - count
-        axis, on_left, box_left, box_right = _best_splits(
-            box, orders, start, count, _bins(level, len(orders[0]), count), width
-        )
+        axis, on_left, box_left, box_right = _best_splits(box, orders, start, count, _bins(level, len(orders[0]), count), width)
         offset = np.arange(len(orders[0])) - np.repeat(start, count)
         left_slot = offset < np.repeat(on_left, count)
         axis_slot = np.repeat(axis, count)
@@ -127,5 +125,3 @@ def _partition(order: np.ndarray, side: np.ndarray, left_slot: np.ndarray) -> np
     result[left_slot] = order[goes_left]
     result[~left_slot] = order[~goes_left]
     return result
-
-

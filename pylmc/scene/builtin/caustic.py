@@ -21,8 +21,12 @@ def build(roughness: float = 0.05, ior: float = 1.5, light: float = 0.3, width: 
         Shape(rectangle((-2, 0, -2), (0, 0, 4), (4, 0, 0)), Diffuse((0.7, 0.65, 0.6)), name="floor"),
         Shape(rectangle((-2, 0, -2), (4, 0, 0), (0, 3, 0)), Diffuse((0.4, 0.5, 0.6)), name="back wall"),
         Shape(ball, RoughDielectric(roughness, ior), name="glass ball", smooth=True),
-        Shape(rectangle((-0.9 - light / 2, 2.6, 0.5 - light / 2), (light, 0, 0), (0, 0, light)), Diffuse(0.0),
-              emission=60.0, name="panel"),
-    ]  # fmt: skip
+        Shape(
+            rectangle((-0.9 - light / 2, 2.6, 0.5 - light / 2), (light, 0, 0), (0, 0, light)),
+            Diffuse(0.0),
+            emission=60.0,
+            name="panel",
+        ),
+    ]
     camera = Camera((0.9, 1.5, 3.2), (0.1, 0.45, 0), fov=38, width=width, height=height)
     return Scene(camera, shapes)

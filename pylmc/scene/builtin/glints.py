@@ -26,10 +26,11 @@ def build(size: float = 0.06, roughness: float = 0.01, width: int = 256, height:
         Shape(rectangle((-1, 0, -1), (0, 0, 2), (2, 0, 0)), Diffuse(0.35), name="floor"),
         Shape(rectangle((-1, 0, -1), (2, 0, 0), (0, 2, 0)), Diffuse((0.25, 0.3, 0.4)), name="back wall"),
         Shape(rectangle((-1, 0, -1), (0, 2, 0), (0, 0, 2)), Diffuse((0.65, 0.55, 0.45)), name="left wall"),
-        Shape(rectangle(tuple(corner), tuple(size * across), tuple(size * along)), RoughConductor(roughness, 0.95),
-              name="mirror"),
+        Shape(
+            rectangle(tuple(corner), tuple(size * across), tuple(size * along)), RoughConductor(roughness, 0.95), name="mirror"
+        ),
         # a card beside the lamp that keeps its own light off the left wall, where the spot falls
         Shape(box((0.1, 1.5, 0.9), (0.01, 0.36, 0.36)), Diffuse(0.02), name="shade"),
-    ]  # fmt: skip
+    ]
     camera = Camera((1.9, 1.2, 2.3), (-0.35, 0.7, -0.3), fov=42, width=width, height=height)
     return Scene(camera, shapes, [PointLight(tuple(lamp), 1.0)])

@@ -22,8 +22,11 @@ from .gltf_data import GltfData
 from .gltf_materials import GltfMaterials
 
 KNOWN_EXTENSIONS = {
-    "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_mesh_quantization", "KHR_texture_transform",
-}  # fmt: skip
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+}
 TRIANGLES, STRIP, FAN = 4, 5, 6
 
 
@@ -43,8 +46,17 @@ def load_gltf(
         raise PylmcError(f"{path}: {error}") from None
     except OSError as error:
         raise PylmcError(f"{path}: cannot be read ({error.strerror or error}); check the path") from None
-    except (KeyError, IndexError, TypeError, ValueError, AttributeError, OverflowError, RecursionError, MemoryError,
-            struct.error) as error:  # fmt: skip
+    except (
+        KeyError,
+        IndexError,
+        TypeError,
+        ValueError,
+        AttributeError,
+        OverflowError,
+        RecursionError,
+        MemoryError,
+        struct.error,
+    ) as error:
         detail = f"{type(error).__name__}: {error}"
         raise PylmcError(f"{path}: malformed glTF ({detail}); validate or export the file again") from None
 
@@ -219,11 +231,13 @@ def _local_transform(node: dict[str, Any]) -> np.ndarray:
     x, y, z, w = np.asarray(node.get("rotation", (0, 0, 0, 1)), dtype=np.float64)
     norm = x * x + y * y + z * z + w * w
     s = 2 / norm if norm > 0 else 0.0
-    matrix[:3, :3] = np.eye(3) + s * np.array([
-        [-(y * y + z * z), x * y - z * w, x * z + y * w],
-        [x * y + z * w, -(x * x + z * z), y * z - x * w],
-        [x * z - y * w, y * z + x * w, -(x * x + y * y)],
-    ])  # fmt: skip
+    matrix[:3, :3] = np.eye(3) + s * np.array(
+        [
+            [-(y * y + z * z), x * y - z * w, x * z + y * w],
+            [x * y + z * w, -(x * x + z * z), y * z - x * w],
+            [x * z - y * w, y * z + x * w, -(x * x + y * y)],
+        ]
+    )
     matrix[:3, :3] *= np.asarray(node.get("scale", (1, 1, 1)), dtype=np.float64)
     matrix[:3, 3] = np.asarray(node.get("translation", (0, 0, 0)), dtype=np.float64)
     return matrix

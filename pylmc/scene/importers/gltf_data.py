@@ -124,8 +124,10 @@ class GltfData:
             else:
                 raise PylmcError(f"buffer {index} has no data; export the file again")
             if len(content) < buffer["byteLength"]:
-                raise PylmcError(f"buffer {index} holds {len(content)} of {buffer['byteLength']} bytes; "
-                                 "it is truncated: export the file again")  # fmt: skip
+                raise PylmcError(
+                    f"buffer {index} holds {len(content)} of {buffer['byteLength']} bytes; "
+                    "it is truncated: export the file again"
+                )
             self._buffers[index] = content
         return self._buffers[index]
 

@@ -36,8 +36,13 @@ def leave_evidence(verdict: Verdict, folder: Path) -> list[Path]:
     two exposed alike, and the strongest t of each pixel in a diverging scale of ``STRONGEST`` standard errors.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    images = {"tested": verdict.mean, "expected": verdict.expected, "difference": verdict.mean - verdict.expected,
-              "standard_errors": verdict.t["pixels"], "p_values": verdict.p["pixels"]}  # fmt: skip
+    images = {
+        "tested": verdict.mean,
+        "expected": verdict.expected,
+        "difference": verdict.mean - verdict.expected,
+        "standard_errors": verdict.t["pixels"],
+        "p_values": verdict.p["pixels"],
+    }
     for name, image in images.items():
         write_exr(folder / f"{name}.exr", image)
     exposed = exposure(verdict.expected)

@@ -51,15 +51,21 @@ def room() -> Description:
         solid((-0.4, 0.4, -0.6), (0.5, 0.8, 0.5), 25, Matte(WHITE)),
         plane((-0.4, 1.98, -0.9), (0.8, 0, 0), (0, 0, 0.8), Matte((0.3, 0.3, 0.3)), (6.0, 5.0, 3.5)),
     )
-    return Description("room", "diffuse interreflection, a visible area light",
-                       View((0.1, 1.0, 3.2), (0, 0.95, -0.5), 42), surfaces, depth=4)  # fmt: skip
+    return Description(
+        "room", "diffuse interreflection, a visible area light", View((0.1, 1.0, 3.2), (0, 0.95, -0.5), 42), surfaces, depth=4
+    )
 
 
 def smooth_ball() -> Description:
     surfaces = (*stage(wall=Matte(RED)), ball((0.2, 0.6, 0), 0.6, 2, Matte((0.8, 0.7, 0.5))))
-    return Description("smooth-ball", "interpolated vertex normals on a coarse ball, a point light",
-                       View((0.3, 1.1, 3.0), (0.15, 0.6, 0), 27), surfaces,
-                       (Point((1.6, 2.2, 1.4), (9, 8, 7)),), 3)  # fmt: skip
+    return Description(
+        "smooth-ball",
+        "interpolated vertex normals on a coarse ball, a point light",
+        View((0.3, 1.1, 3.0), (0.15, 0.6, 0), 27),
+        surfaces,
+        (Point((1.6, 2.2, 1.4), (9, 8, 7)),),
+        3,
+    )
 
 
 def metal_ball() -> Description:
@@ -68,8 +74,13 @@ def metal_ball() -> Description:
         ball((-0.1, 0.6, 0), 0.6, 3, Metal(0.25, GOLD)),
         plane((-1.0, 2.2, -0.2), (1.2, 0, 0), (0, 0, 1.2), Matte((0.2, 0.2, 0.2)), (5.0, 5.0, 6.0)),
     )
-    return Description("metal-ball", "rough conductor with vertex normals under an area light",
-                       View((0.3, 1.1, 3.0), (0, 0.6, -0.2), 40), surfaces, depth=5)  # fmt: skip
+    return Description(
+        "metal-ball",
+        "rough conductor with vertex normals under an area light",
+        View((0.3, 1.1, 3.0), (0, 0.6, -0.2), 40),
+        surfaces,
+        depth=5,
+    )
 
 
 def metal_plates() -> Description:
@@ -78,9 +89,14 @@ def metal_plates() -> Description:
         solid((0.3, 0.35, -0.3), (0.6, 0.7, 0.5), 30, Matte(RED)),
         plane((-1.6, 0.5, 0.2), (0, 0, -0.8), (0, 0.9, 0), Matte((0.2, 0.2, 0.2)), (4.0, 6.0, 5.0)),
     )
-    return Description("metal-plates", "two rough conductors that see each other, both kinds of light",
-                       View((0.2, 1.0, 2.9), (0, 0.55, -0.5), 42), surfaces,
-                       (Point((0.9, 1.9, 1.2), (4, 3, 2)),), 4)  # fmt: skip
+    return Description(
+        "metal-plates",
+        "two rough conductors that see each other, both kinds of light",
+        View((0.2, 1.0, 2.9), (0, 0.55, -0.5), 42),
+        surfaces,
+        (Point((0.9, 1.9, 1.2), (4, 3, 2)),),
+        4,
+    )
 
 
 PANE = Glass(0.3, 1.5)
@@ -93,18 +109,25 @@ def pane() -> Surface:
 
 def pane_lit_from_front() -> Description:
     surfaces = (*stage(Matte(WHITE), Matte(GREEN)), pane(), solid((-0.3, 0.3, -0.6), (0.5, 0.6, 0.5), 30, Matte(RED)))
-    return Description("pane-front", "a slab of rough glass, the light on the camera's side",
-                       View((0.1, 1.1, 3.4), (0, 0.75, 0), 36), surfaces,
-                       (Point((-0.9, 2.0, 2.6), (12, 11, 10)),), 6)  # fmt: skip
+    return Description(
+        "pane-front",
+        "a slab of rough glass, the light on the camera's side",
+        View((0.1, 1.1, 3.4), (0, 0.75, 0), 36),
+        surfaces,
+        (Point((-0.9, 2.0, 2.6), (12, 11, 10)),),
+        6,
+    )
 
 
 def pane_lit_from_behind() -> Description:
     surfaces = (
-        *stage(Matte(WHITE), Matte(GREEN)), pane(),
+        *stage(Matte(WHITE), Matte(GREEN)),
+        pane(),
         plane((-0.7, 0.5, -1.4), (1.4, 0, 0), (0, 1.0, 0), Matte((0.2, 0.2, 0.2)), (5.0, 3.0, 2.0)),
-    )  # fmt: skip
-    return Description("pane-behind", "the same slab, an area light behind it",
-                       View((0.1, 1.1, 3.4), (0, 0.75, 0), 36), surfaces, depth=5)  # fmt: skip
+    )
+    return Description(
+        "pane-behind", "the same slab, an area light behind it", View((0.1, 1.1, 3.4), (0, 0.75, 0), 36), surfaces, depth=5
+    )
 
 
 WATER = Glass(0.3, 1.33)
@@ -123,9 +146,14 @@ def lamp_in_water() -> Description:
         plane((-2, 0, -2), (4, 0, 0), (0, 3, 0), Matte(BLUE)),
         solid((0.5, 0.2, 0), (0.5, 0.4, 0.5), 20, Matte(RED)),
     )
-    return Description("lamp-in-water", "one interface, seen from outside, the light in the medium",
-                       View((0.1, 2.3, 2.4), (0, 0.5, -0.2), 44), surfaces,
-                       (Point((-0.6, 0.5, 1.6), (4, 4, 4)),), 4)  # fmt: skip
+    return Description(
+        "lamp-in-water",
+        "one interface, seen from outside, the light in the medium",
+        View((0.1, 2.3, 2.4), (0, 0.5, -0.2), 44),
+        surfaces,
+        (Point((-0.6, 0.5, 1.6), (4, 4, 4)),),
+        4,
+    )
 
 
 def lamp_over_water() -> Description:
@@ -135,9 +163,14 @@ def lamp_over_water() -> Description:
         plane((-2, 0, -2), (4, 0, 0), (0, 2.6, 0), Matte(WHITE)),
         solid((0.3, 1.5, -0.3), (0.6, 0.6, 0.6), 20, Matte(RED)),
     )
-    return Description("lamp-over-water", "one interface, seen from the medium, the light outside",
-                       View((0.1, 0.25, 1.0), (0, 1.35, -0.5), 50), surfaces,
-                       (Point((-0.7, 1.8, 0.4), (3, 3, 3)),), 4)  # fmt: skip
+    return Description(
+        "lamp-over-water",
+        "one interface, seen from the medium, the light outside",
+        View((0.1, 0.25, 1.0), (0, 1.35, -0.5), 50),
+        surfaces,
+        (Point((-0.7, 1.8, 0.4), (3, 3, 3)),),
+        4,
+    )
 
 
 def glass_ball() -> Description:
@@ -146,12 +179,26 @@ def glass_ball() -> Description:
         ball((0, 0.62, 0), 0.6, 4, Glass(0.25, 1.5)),
         plane((-1.2, 2.4, -1.0), (2.4, 0, 0), (0, 0, 2.4), Matte((0.2, 0.2, 0.2)), (3.0, 3.0, 2.5)),
     )
-    return Description("glass-ball", "rough glass with vertex normals, crossed twice and more, under an area light",
-                       View((0.3, 1.1, 3.0), (0, 0.6, -0.2), 40), surfaces, depth=6)  # fmt: skip
+    return Description(
+        "glass-ball",
+        "rough glass with vertex normals, crossed twice and more, under an area light",
+        View((0.3, 1.1, 3.0), (0, 0.6, -0.2), 40),
+        surfaces,
+        depth=6,
+    )
 
 
 SCENES: dict[str, Description] = {
     scene.name: scene
-    for scene in (room(), smooth_ball(), metal_ball(), metal_plates(), pane_lit_from_front(), pane_lit_from_behind(),
-                  lamp_in_water(), lamp_over_water(), glass_ball())
-}  # fmt: skip
+    for scene in (
+        room(),
+        smooth_ball(),
+        metal_ball(),
+        metal_plates(),
+        pane_lit_from_front(),
+        pane_lit_from_behind(),
+        lamp_in_water(),
+        lamp_over_water(),
+        glass_ball(),
+    )
+}

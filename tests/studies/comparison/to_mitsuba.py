@@ -33,11 +33,21 @@ def _rgb(value: RGB) -> dict[str, Any]:
 
 def _bsdf(material: Matte | Metal | Glass) -> dict[str, Any]:
     if isinstance(material, Glass):
-        return {"type": "roughdielectric", "distribution": "ggx", "alpha": material.alpha, "int_ior": material.ior,
-                "ext_ior": 1.0}  # fmt: skip
+        return {
+            "type": "roughdielectric",
+            "distribution": "ggx",
+            "alpha": material.alpha,
+            "int_ior": material.ior,
+            "ext_ior": 1.0,
+        }
     if isinstance(material, Metal):
-        inner = {"type": "roughconductor", "distribution": "ggx", "alpha": material.alpha, "material": "none",
-                 "specular_reflectance": _rgb(material.reflectance)}  # fmt: skip
+        inner = {
+            "type": "roughconductor",
+            "distribution": "ggx",
+            "alpha": material.alpha,
+            "material": "none",
+            "specular_reflectance": _rgb(material.reflectance),
+        }
     else:
         inner = {"type": "diffuse", "reflectance": _rgb(material.reflectance)}
     return {"type": "twosided", "inner": inner}
@@ -57,14 +67,28 @@ def mitsuba_scene(description: Description) -> Any:
     """The description as a loaded Mitsuba scene."""
     view = description.view
     to_world = mi.ScalarTransform4f().look_at(origin=list(view.origin), target=list(view.target), up=list(view.up))
-    film = {"type": "hdrfilm", "width": view.size[0], "height": view.size[1], "rfilter": {"type": "box"},
-            "pixel_format": "rgb", "component_format": "float32"}  # fmt: skip
+    film = {
+        "type": "hdrfilm",
+        "width": view.size[0],
+        "height": view.size[1],
+        "rfilter": {"type": "box"},
+        "pixel_format": "rgb",
+        "component_format": "float32",
+    }
     scene: dict[str, Any] = {
         "type": "scene",
         "integrator": {"type": "path", "max_depth": description.depth, "rr_depth": 1000},
-        "sensor": {"type": "perspective", "fov": view.fov, "fov_axis": "y", "near_clip": 1e-3, "far_clip": 1e3,
-                   "to_world": to_world, "film": film, "sampler": {"type": "independent"}},
-    }  # fmt: skip
+        "sensor": {
+            "type": "perspective",
+            "fov": view.fov,
+            "fov_axis": "y",
+            "near_clip": 1e-3,
+            "far_clip": 1e3,
+            "to_world": to_world,
+            "film": film,
+            "sampler": {"type": "independent"},
+        },
+    }
     for number, point in enumerate(description.points):
         scene[f"point{number}"] = {"type": "point", "position": list(point.position), "intensity": _rgb(point.intensity)}
     with tempfile.TemporaryDirectory() as folder:

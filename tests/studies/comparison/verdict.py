@@ -61,12 +61,16 @@ class Verdict:
     def summary(self) -> dict[str, object]:
         """Numbers for a table or a JSON file."""
         return {
-            "passed": self.passed, "alpha": self.alpha, "comparisons": self.comparisons,
+            "passed": self.passed,
+            "alpha": self.alpha,
+            "comparisons": self.comparisons,
             "tests": {level: int(self.p[level].size) for level in LEVELS},
             "least_p": {level: float(self.p[level].min()) for level in LEVELS},
-            "threshold": self.threshold, "ratio": self.ratio, "ratio_error": self.ratio_error,
+            "threshold": self.threshold,
+            "ratio": self.ratio,
+            "ratio_error": self.ratio_error,
             "largest_t": {level: float(np.abs(self.t[level]).max()) for level in LEVELS},
-        }  # fmt: skip
+        }
 
 
 def resolutions(runs: np.ndarray) -> dict[str, np.ndarray]:

@@ -149,14 +149,23 @@ def test_render_hands_over_what_was_given(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    code, scene, keywords = run_render(monkeypatch, ["box", "--size", "40x30", "-o", "deep/er/a.exr", "--seed", "7",
-                                                     "--mutations-per-pixel", "3", "--rule", "rms"])  # fmt: skip
+    code, scene, keywords = run_render(
+        monkeypatch,
+        ["box", "--size", "40x30", "-o", "deep/er/a.exr", "--seed", "7", "--mutations-per-pixel", "3", "--rule", "rms"],
+    )
     assert code == 0
     assert (scene.camera.width, scene.camera.height) == (40, 30)
     assert keywords == {
-        "seconds": None, "mutations_per_pixel": 3.0, "seed": 7, "device": None, "precision": "single",
-        "integrator": "lmc", "max_depth": 8, "progress": True, "rule": "rms",
-    }  # fmt: skip
+        "seconds": None,
+        "mutations_per_pixel": 3.0,
+        "seed": 7,
+        "device": None,
+        "precision": "single",
+        "integrator": "lmc",
+        "max_depth": 8,
+        "progress": True,
+        "rule": "rms",
+    }
     out, err = capsys.readouterr()
     assert err == ""
     assert out.startswith("wrote ") and all(f"deep/er/a{end}" in out for end in (".exr", ".png", ".json"))
@@ -231,9 +240,7 @@ def test_the_program_itself(tmp_path: Path) -> None:
     def run(*arguments: str, **more: str) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, "-m", "pylmc", *arguments]
         environ = {**os.environ, "PYTHONPATH": str(Path(pylmc.__file__).parents[1]), **more}
-        return subprocess.run(
-            command, capture_output=True, text=True, cwd=tmp_path, env=environ, timeout=120, check=False
-        )
+        return subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=environ, timeout=120, check=False)
 
     helped = run("--help")
     assert helped.returncode == 0 and "examples:" in helped.stdout

@@ -126,8 +126,11 @@ def test_arithmetic_is_within_its_proven_bounds(device):
             print(f"{name}: 2^{np.log2(error):.2f}")
             assert error <= bound, name
         # exact ones, and mix, which is as good as its sum where that does not cancel
-        for name, value in (("fmin(x, y)", np.minimum(x, second)), ("fmax(x, y)", np.maximum(x, second)),
-                            ("copysign(x, y)", np.copysign(x, second))):  # fmt: skip
+        for name, value in (
+            ("fmin(x, y)", np.minimum(x, second)),
+            ("fmax(x, y)", np.maximum(x, second)),
+            ("copysign(x, y)", np.copysign(x, second)),
+        ):
             np.testing.assert_array_equal(got[name], value, err_msg=name)
         scale = np.maximum(np.abs(x), np.abs(second))
         assert np.max(np.abs(got["mix(x, y, 0.25)"] - (x + (second - x) * 0.25)) / scale) <= 16 * U2
@@ -177,8 +180,14 @@ def test_comparisons_see_the_low_word(device):
     x = samples(12, -20, 20)
     for y in (samples(13, -20, 20), x, unpack(pack(x * (1 + 2.0**-40))), np.full(COUNT, np.nan), np.full(COUNT, np.inf)):
         got = device.compare(x, y)
-        for name, value in (("x < y", x < y), ("x <= y", x <= y), ("x > y", x > y), ("x >= y", x >= y),
-                            ("x == y", x == y), ("x != y", x != y)):  # fmt: skip
+        for name, value in (
+            ("x < y", x < y),
+            ("x <= y", x <= y),
+            ("x > y", x > y),
+            ("x >= y", x >= y),
+            ("x == y", x == y),
+            ("x != y", x != y),
+        ):
             np.testing.assert_array_equal(got[name], value, err_msg=name)
 
 
@@ -188,10 +197,20 @@ def test_infinities_zeros_and_nan_are_those_of_floats(device):
     got = device.evaluate(x, y)
     with np.errstate(all="ignore"):
         single, other = x.astype(np.float32), y.astype(np.float32)
-        exact = {"x + y": single + other, "x - y": single - other, "x * y": single * other, "x / y": single / other,
-                 "fmin(x, y)": np.fmin(single, other), "fmax(x, y)": np.fmax(single, other), "sqrt(x)": np.sqrt(single),
-                 "rsqrt(x)": 1 / np.sqrt(single), "exp(x)": np.exp(single), "log(x)": np.log(single),
-                 "floor(x)": np.floor(single), "fabs(x)": np.abs(single)}  # fmt: skip
+        exact = {
+            "x + y": single + other,
+            "x - y": single - other,
+            "x * y": single * other,
+            "x / y": single / other,
+            "fmin(x, y)": np.fmin(single, other),
+            "fmax(x, y)": np.fmax(single, other),
+            "sqrt(x)": np.sqrt(single),
+            "rsqrt(x)": 1 / np.sqrt(single),
+            "exp(x)": np.exp(single),
+            "log(x)": np.log(single),
+            "floor(x)": np.floor(single),
+            "fabs(x)": np.abs(single),
+        }
     for name, value in exact.items():
         finite = np.isfinite(value)
         np.testing.assert_array_equal(np.isnan(got[name]), np.isnan(value), err_msg=name)

@@ -72,9 +72,18 @@ def test_a_failed_build_names_device_file_and_line(folder, context):
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [(True, "1"), (7, "7"), (np.int32(-3), "-3"), ("chart_a", "chart_a"), (None, ""), (np.inf, "INFINITY"),
-     (0.1, "(1.0e-01f)"), (1.0, "(1.0e+00f)"), (np.nan, "NAN")],
-)  # fmt: skip
+    [
+        (True, "1"),
+        (7, "7"),
+        (np.int32(-3), "-3"),
+        ("chart_a", "chart_a"),
+        (None, ""),
+        (np.inf, "INFINITY"),
+        (0.1, "(1.0e-01f)"),
+        (1.0, "(1.0e+00f)"),
+        (np.nan, "NAN"),
+    ],
+)
 def test_literals(value, text):
     assert program.literal(value) == text
 

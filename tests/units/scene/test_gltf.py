@@ -27,9 +27,13 @@ class Builder:
     def __init__(self, **document):
         self.binary = b""
         self.document = {
-            "asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-            "accessors": [], "bufferViews": [], **document,
-        }  # fmt: skip
+            "asset": {"version": "2.0"},
+            "scenes": [{"nodes": [0]}],
+            "nodes": [{"mesh": 0}],
+            "accessors": [],
+            "bufferViews": [],
+            **document,
+        }
 
     def view(self, content, **more):
         self.binary += b"\0" * (-len(self.binary) % 4)
@@ -41,9 +45,12 @@ class Builder:
     def array(self, values, **more):
         values = np.asarray(values)
         accessor = {
-            "bufferView": self.view(values.tobytes()), "componentType": TYPES[values.dtype.char], "count": len(values),
-            "type": "SCALAR" if values.ndim == 1 else f"VEC{values.shape[1]}", **more,
-        }  # fmt: skip
+            "bufferView": self.view(values.tobytes()),
+            "componentType": TYPES[values.dtype.char],
+            "count": len(values),
+            "type": "SCALAR" if values.ndim == 1 else f"VEC{values.shape[1]}",
+            **more,
+        }
         self.document["accessors"].append(accessor)
         return len(self.document["accessors"]) - 1
 
@@ -106,10 +113,15 @@ def test_containers_and_indexing(tmp_path, kind, indexed):
 def test_strips_fans_and_lines(tmp_path):
     builder = Builder()
     quad = builder.array(SQUARE[[0, 1, 3, 2]]), builder.array(SQUARE)
-    builder.document["meshes"] = [{"primitives": [
-        {"attributes": {"POSITION": quad[0]}, "mode": 5}, {"attributes": {"POSITION": quad[1]}, "mode": 6},
-        {"attributes": {"POSITION": quad[1]}, "mode": 1},
-    ]}]  # fmt: skip
+    builder.document["meshes"] = [
+        {
+            "primitives": [
+                {"attributes": {"POSITION": quad[0]}, "mode": 5},
+                {"attributes": {"POSITION": quad[1]}, "mode": 6},
+                {"attributes": {"POSITION": quad[1]}, "mode": 1},
+            ]
+        }
+    ]
     scene = load_gltf(builder.glb(tmp_path / "a.glb"), **AUTO)
     assert len(scene.shapes) == 4
     for shape in scene.shapes[:2]:
@@ -150,10 +162,16 @@ def test_quantised_interleaved_and_sparse_accessors(tmp_path):
     at = builder.view(rows.tobytes(), byteStride=8)
     where = builder.view(np.array([2], np.uint8).tobytes())
     what = builder.view(np.array([32767, 32767, 16384], np.int16).tobytes())
-    builder.document["accessors"].append({
-        "bufferView": at, "componentType": 5122, "type": "VEC3", "count": 4, "normalized": True,
-        "sparse": {"count": 1, "indices": {"bufferView": where, "componentType": 5121}, "values": {"bufferView": what}},
-    })  # fmt: skip
+    builder.document["accessors"].append(
+        {
+            "bufferView": at,
+            "componentType": 5122,
+            "type": "VEC3",
+            "count": 4,
+            "normalized": True,
+            "sparse": {"count": 1, "indices": {"bufferView": where, "componentType": 5121}, "values": {"bufferView": what}},
+        }
+    )
     primitive = {"attributes": {"POSITION": 0}, "indices": builder.array(np.array([0, 1, 2, 0, 2, 3], np.uint8))}
     builder.document["meshes"] = [{"primitives": [primitive]}]
     vertices = first(builder, tmp_path).mesh.vertices
@@ -164,10 +182,13 @@ def test_material_factors_emission_and_averaged_textures(tmp_path):
     grey = np.full((2, 2, 3), (0, 128, 51))
     material = {
         "pbrMetallicRoughness": {
-            "baseColorFactor": [0.2, 0.4, 0.6, 0.5], "metallicFactor": 0.5, "metallicRoughnessTexture": {"index": 0},
+            "baseColorFactor": [0.2, 0.4, 0.6, 0.5],
+            "metallicFactor": 0.5,
+            "metallicRoughnessTexture": {"index": 0},
         },
-        "emissiveFactor": [1, 0.5, 0], "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}},
-    }  # fmt: skip
+        "emissiveFactor": [1, 0.5, 0],
+        "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}},
+    }
     builder = Builder(materials=[material]).square(material=0).image(grey)
     shape = load_gltf(builder.glb(tmp_path / "a.glb"), auto_camera=True).shapes[0]  # its emission is the light
     assert shape.material.base_color == pytest.approx((0.2, 0.4, 0.6))
@@ -350,8 +371,12 @@ def test_automatic_camera_and_light(tmp_path, size):
 
 def test_automatic_light_stays_inside_a_room(tmp_path):
     """A camera among the geometry gets its lights in front of the wall behind it."""
-    nodes = [{"children": [1, 2, 3]}, {"mesh": 0, "translation": [0, 0, -1]}, {"mesh": 0, "translation": [0, 0, 4]},
-             {"camera": 0, "translation": [0.5, 0.5, 2]}]  # fmt: skip
+    nodes = [
+        {"children": [1, 2, 3]},
+        {"mesh": 0, "translation": [0, 0, -1]},
+        {"mesh": 0, "translation": [0, 0, 4]},
+        {"camera": 0, "translation": [0.5, 0.5, 2]},
+    ]
     cameras = [{"type": "perspective", "perspective": {"yfov": 1.0}}]
     scene = load_gltf(Builder(nodes=nodes, cameras=cameras).square().glb(tmp_path / "a.glb"), auto_light=True)
     for light in scene.shapes[-2:]:
@@ -368,5 +393,7 @@ def test_scenes_by_others(name):
     textured = [shape for shape in scene.shapes if shape.textured]
     assert textured and all(shape.uv is not None for shape in textured)
     assert all(shape.vertex_normals() is not None for shape in scene.shapes if shape.emission is None)
-    print(f"{name}: {len(scene.shapes)} shapes, {sum(len(s.mesh.faces) for s in scene.shapes)} faces, "
-          f"{len(scene.apertures)} apertures")  # fmt: skip
+    print(
+        f"{name}: {len(scene.shapes)} shapes, {sum(len(s.mesh.faces) for s in scene.shapes)} faces, "
+        f"{len(scene.apertures)} apertures"
+    )
