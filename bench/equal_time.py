@@ -31,7 +31,7 @@ METHODS: dict[str, dict[str, Any]] = {
     "bdpt, aimed from the light": {"integrator": "bdpt", "aim": "light"},
     "path": {"integrator": "path"},
 }
-CASES = ({"hole": 0.01, "roughness": 0.005}, {"hole": 0.001, "roughness": 0.0005})
+CASES = ({"hole": 0.01, "alpha": 0.005}, {"hole": 0.001, "alpha": 0.0005})
 
 
 def run_case(case: dict[str, float], args: argparse.Namespace, folder: Path) -> list[dict[str, Any]]:
@@ -82,7 +82,7 @@ def line(row: dict[str, Any]) -> str:
     """A row of the table in Markdown."""
     case = row["case"]
     return (
-        f"| {case['hole']:g} | {case['roughness']:g} | {row['method']} | {row['relMSE']:.3g} | {row['relMSE_trimmed']:.3g} "
+        f"| {case['hole']:g} | {case['alpha']:g} | {row['method']} | {row['relMSE']:.3g} | {row['relMSE_trimmed']:.3g} "
         f"| {row['ratio']:.1f} | {row['ratio_trimmed']:.1f} | {row['per_second']:.3g} |"
     )
 

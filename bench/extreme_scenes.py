@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 import pylmc
-from pylmc import Aperture, Camera, Diffuse, PointLight, RoughConductor, Scene, Shape
+from pylmc import Camera, Diffuse, PointLight, Portal, RoughConductor, Scene, Shape
 from pylmc.scene.loading import scene_module
 
 SIDE = 16  # pixels of the film, where that is not what is driven
@@ -46,7 +46,7 @@ def _wall_and_mirror(alpha: float) -> Scene:
 
 
 def _glass(alpha: float) -> Scene:
-    return pylmc.load("caustic", roughness=alpha, width=SIDE, height=SIDE)
+    return pylmc.load("caustic", alpha=alpha, width=SIDE, height=SIDE)
 
 
 def _hole(hole: float) -> Scene:
@@ -85,7 +85,7 @@ def moved(scene: Scene, scale: float, offset: Any, gain: float) -> Scene:
 
     c = scene.camera
     shapes = [Shape((at(s.mesh.vertices), s.mesh.faces), s.material, s.emission, s.name) for s in scene.shapes]
-    holes = [Aperture(at(a.centre), a.normal, a.axis, np.array(a.half_size) * scale) for a in scene.apertures]
+    holes = [Portal(at(a.centre), a.normal, a.axis, np.array(a.half_size) * scale) for a in scene.portals]
     lights = [PointLight(at(light.position), np.array(light.intensity) * gain) for light in scene.lights]
     camera = Camera(at(c.origin), at(c.target), c.up, c.fov, c.width, c.height)
     return Scene(camera, shapes, lights, holes)

@@ -57,12 +57,12 @@ OPTIONS = (
         Option(f"without {kind}", {"constraints": tuple(k for k in CONSTRAINTS if k != kind)}, needs=kind)
         for kind in CONSTRAINTS
     ),
-    Option("h = 0.03", {"step": (0.03, 0.03)}),
-    Option("h = 0.1", {"step": (0.1, 0.1)}),
-    Option("h = 0.3", {"step": (0.3, 0.3)}),
-    Option("h = 0.7", {"step": (0.7, 0.7)}),
-    Option("h 0.001 to 0.1", {"step": (0.001, 0.1)}),
-    Option("h 0.03 to 1", {"step": (0.03, 1.0)}),
+    Option("h = 0.03", {"step_length": (0.03, 0.03)}),
+    Option("h = 0.1", {"step_length": (0.1, 0.1)}),
+    Option("h = 0.3", {"step_length": (0.3, 0.3)}),
+    Option("h = 0.7", {"step_length": (0.7, 0.7)}),
+    Option("h 0.001 to 0.1", {"step_length": (0.001, 0.1)}),
+    Option("h 0.03 to 1", {"step_length": (0.03, 1.0)}),
     Option("large steps 0.05", {"large_steps": 0.05}),
     Option("large steps 0.5", {"large_steps": 0.5}),
     Option("large steps alone", {"large_steps": 1.0}),
@@ -87,7 +87,7 @@ def applies(option: Option, compiled: CompiledScene) -> bool:
         "HAS_DEVIATION": features["HAS_NARROW"] or features["HAS_SMOOTH"],
         # diffuse lobes are bounded by one radian, so every scene has that kind
         "lobes": True,
-        "holes": features["NUM_APERTURES"] > 0,
+        "portals": features["NUM_PORTALS"] > 0,
         "objects": plan.small_objects + plan.emitters > 0,
         "normals": features["HAS_SMOOTH"],
     }

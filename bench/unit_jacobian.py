@@ -24,7 +24,7 @@ def glossy_box(alpha: float) -> Scene:
     scene = pylmc.load("box", width=64, height=64)
     metal = RoughConductor(alpha, 0.7)
     shapes = [s if s.emission else Shape(s.mesh, metal, name=s.name) for s in scene.shapes]
-    return Scene(scene.camera, [*shapes, Shape(_panel(), Diffuse(0.7), name="panel")], scene.lights, scene.apertures)
+    return Scene(scene.camera, [*shapes, Shape(_panel(), Diffuse(0.7), name="panel")], scene.lights, scene.portals)
 
 
 def _panel() -> tuple[np.ndarray, list[list[int]]]:
@@ -46,7 +46,7 @@ def measure_unit_jacobian(device: Any = None) -> list[dict[str, float]]:
                 coordinates="deviation",
                 large_steps=0.0,
                 max_depth=3,
-                step=(0.3, 1.0),
+                step_length=(0.3, 1.0),
                 even=False,
             )
             counts[chart] = [_film_cells(sampler, seed) for seed in range(RUNS)]

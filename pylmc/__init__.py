@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from .sampling.sampler import Sampler
     from .sampling.states import States
     from .scene import (
-        Aperture,
         Camera,
         Diffuse,
         MetallicRoughness,
         PointLight,
+        Portal,
         RoughConductor,
         RoughDielectric,
         Scene,
@@ -32,11 +32,11 @@ if TYPE_CHECKING:
     __version__: str
 
 __all__ = [
-    "Aperture",
     "Camera",
     "Diffuse",
     "MetallicRoughness",
     "PointLight",
+    "Portal",
     "PylmcError",
     "PylmcWarning",
     "RayTracer",
@@ -62,7 +62,7 @@ _HOME = {
     "sampling.sampler": ("Sampler",),
     "sampling.states": ("States",),
     "scene": (
-        "Aperture",
+        "Portal",
         "Camera",
         "Diffuse",
         "MetallicRoughness",

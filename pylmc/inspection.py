@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .constraints.plan import MAX_APERTURES, NARROW_ALPHA
+from .constraints.plan import MAX_PORTALS, NARROW_ALPHA
 from .sampling.compiled import compile_scene
 from .sampling.limits import limits
 from .scene import Scene
@@ -47,9 +47,9 @@ def info(scene: Scene, precision: str = "single", **settings: Any) -> str:
     if plan.narrow_materials:
         names = ", ".join(plan.narrow_materials[:6]) + (", ..." if len(plan.narrow_materials) > 6 else "")
         lines.append(f"  lobes       {len(plan.narrow_materials)} narrow material(s), alpha < {NARROW_ALPHA:g}: {names}")
-    if plan.apertures:
-        sizes = ", ".join("x".join(f"{2 * h:.3g}" for h in a.half_size) for a in plan.apertures[:6])
-        lines.append(f"  holes       {len(plan.apertures)} aperture(s) of at most {MAX_APERTURES}, sizes {sizes}")
+    if plan.portals:
+        sizes = ", ".join("x".join(f"{2 * h:.3g}" for h in a.half_size) for a in plan.portals[:6])
+        lines.append(f"  portals     {len(plan.portals)} portal(s) of at most {MAX_PORTALS}, sizes {sizes}")
     if plan.small_objects:
         halves = [
             item.half_extents
@@ -63,9 +63,9 @@ def info(scene: Scene, precision: str = "single", **settings: Any) -> str:
         lines.append(f"  emitters    {plan.emitters} emitting object(s), for paths that end on one")
     if plan.curved_shapes:
         lines.append(f"  normals     {plan.curved_shapes} shape(s) with smooth normals")
-    aimed = len(plan.apertures) + len(plan.aimed_objects)
+    aimed = len(plan.portals) + len(plan.aimed_objects)
     lines.append(
-        f"aimed at      {len(plan.apertures)} aperture(s), {len(plan.aimed_objects)} small object(s)"
+        f"aimed at      {len(plan.portals)} portal(s), {len(plan.aimed_objects)} small object(s)"
         if aimed
         else "aimed at      nothing"
     )
@@ -84,8 +84,8 @@ def _left_out(scene: Scene, plan: Any, features: dict[str, Any], chosen: Setting
     reasons = list(plan.left_out)
     if not features["HAS_NARROW"]:
         reasons.append("lobe constraints: no lobe is narrow")
-    if not plan.apertures and not scene.apertures:
-        reasons.append("hole constraints: the scene has no hole (inner boundary loop of an open planar piece)")
+    if not plan.portals and not scene.portals:
+        reasons.append("portal constraints: the scene has no portal (inner boundary loop of an open planar piece)")
     if not plan.small_objects:
         reasons.append("object constraints: no object is small")
     if not plan.curved_shapes:

@@ -13,7 +13,7 @@ COORDINATES = ("target", "deviation")
 RULES = ("sum", "mean", "rms")
 AIMS = ("everywhere", "light")
 PROJECTIONS = ("normalise", "orthographic")
-CONSTRAINTS = ("lobes", "holes", "objects", "normals")
+CONSTRAINTS = ("lobes", "portals", "objects", "normals")
 DIFFERENTIALS = ("full", "reduced")
 MATHS = ("exact", "relaxed", "fast", "native")
 INTEGRATORS = ("lmc", "bdpt", "path")
@@ -31,12 +31,12 @@ class Settings:
     rule: the combination rule (21). drift: whether steps follow the gradient. projection: of v_1, eq. (3)
     (``normalise``) or the preprint's alternative (``orthographic``); used with deviation coordinates only.
     max_depth: segments of the longest path. large_steps: probability of an independent step.
-    step: (least, greatest) step length h, drawn log-uniformly each step.
-    aim: from where the independent sampler aims at apertures and small objects: ``everywhere`` (light, camera and diffuse
-    nodes) or ``light`` (its first direction only, as in theory.md, 6). even: whether the target is weighted so that dark
+    step_length: (least, greatest) length h, drawn log-uniformly each step.
+    aim: from where the independent sampler aims at portals and small objects: ``everywhere`` (light, camera, diffuse
+    nodes) or ``light`` (its first direction only, as in theory.md, 6). even: whether the density is weighted so that dark
     and bright parts of the film get alike many samples (see :mod:`pylmc.sampling.evenness`), or is plain luminance.
     blocks: whether small steps may move a leading part of the path only (theory.md, 2, Blocks).
-    constraints: the kinds that shape the proposal, of ``lobes``, ``holes``, ``objects`` and ``normals``; with none of them
+    constraints: the kinds that shape the proposal, of ``lobes``, ``portals``, ``objects`` and ``normals``; with none of them
     steps are isotropic: one radian or chart unit per direction. differentials: ``full``, or ``reduced``, which takes
     normals and frames as fixed while a path moves. math: ``exact`` built-ins without contraction; ``relaxed`` lets the
     compiler reorder and contract; ``fast`` lets it assume besides that no number is infinite or NaN; ``native`` takes the
@@ -51,7 +51,7 @@ class Settings:
     drift: bool = False
     projection: str = "normalise"
     large_steps: float = 0.2
-    step: tuple[float, float] = (0.01, 0.3)
+    step_length: tuple[float, float] = (0.01, 0.3)
     aim: str = "everywhere"
     even: bool = True
     blocks: bool = True
@@ -80,10 +80,13 @@ class Settings:
             "constraints": check_subset("constraints", self.constraints, CONSTRAINTS),
         }
         try:
-            low, high = self.step
-            checked["step"] = check_number("step[0]", low, 1e-6, 100), check_number("step[1]", high, low, 100)
+            low, high = self.step_length
+            checked["step_length"] = (
+                check_number("step_length[0]", low, 1e-6, 100),
+                check_number("step_length[1]", high, low, 100),
+            )
         except (TypeError, ValueError):
-            raise PylmcError(f"step={self.step!r}: give (least, greatest); try (0.01, 0.3)") from None
+            raise PylmcError(f"step_length={self.step_length!r}: give (least, greatest); try (0.01, 0.3)") from None
         for name, value in checked.items():  # plain Python numbers, which JSON knows
             object.__setattr__(self, name, value)
 

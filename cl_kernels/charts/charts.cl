@@ -3,7 +3,7 @@
 //   PROJECTION  v_1 by eq. (3): v = (v_1 + p dV_p + q dV_q) / |...|, or by the preprint's other projection
 //   DEVIATION   the deviation from the lobe's reference direction, for a direction that leaves a narrow lobe
 //   NODE        a target chart: aim at c + delta in the tangent plane of the next node, c
-//   APERTURE    a target chart: the same in the plane of the aperture that the direction passes through
+//   PORTAL    a target chart: the same in the plane of the portal that the direction passes through
 //
 // With target charts dsigma/ddelta = |n.v| / |c + delta - x|^2. Which kind a direction takes is a function of the path.
 #ifndef PYLMC_CHARTS
@@ -16,7 +16,7 @@
 #define KIND_PROJECTION 0
 #define KIND_DEVIATION 1
 #define KIND_NODE 2
-#define KIND_APERTURE 3  // and upwards: KIND_APERTURE + i is aperture i
+#define KIND_PORTAL 3  // and upwards: KIND_PORTAL + i is portal i
 
 typedef struct {
     int kind;
@@ -29,8 +29,8 @@ typedef struct {
 int direction_kind(const Scene *scene, const Path *path, int j, real3 x, real3 *crossing) {
 #if COORDINATES_TARGET
     if (j > 1 && is_narrow(scene, &path->vertex[j - 1])) return KIND_DEVIATION;
-    int aperture = aperture_crossed(scene, x, path->vertex[j].v, path->vertex[j].t, crossing);
-    return aperture >= 0 ? KIND_APERTURE + aperture : KIND_NODE;
+    int portal = portal_crossed(scene, x, path->vertex[j].v, path->vertex[j].t, crossing);
+    return portal >= 0 ? KIND_PORTAL + portal : KIND_NODE;
 #else
     return j == 1 ? KIND_PROJECTION : KIND_DEVIATION;
 #endif
@@ -67,11 +67,11 @@ bool charts_of_path(const Scene *scene, const Path *path, int m, real3 p, Chart 
             chart->e1 = any_tangent(next->ng);
             chart->e2 = cross(next->ng, chart->e1);
         } else {
-#if NUM_APERTURES > 0
-            __global const Aperture *aperture = &scene->apertures[chart->kind - KIND_APERTURE];
+#if NUM_PORTALS > 0
+            __global const Portal *portal = &scene->portals[chart->kind - KIND_PORTAL];
             chart->anchor = crossing;
-            chart->normal = vec3(aperture->normal);
-            chart->e1 = vec3(aperture->axis);
+            chart->normal = vec3(portal->normal);
+            chart->e1 = vec3(portal->axis);
             chart->e2 = cross(chart->normal, chart->e1);
 #endif
         }

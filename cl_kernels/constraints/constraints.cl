@@ -1,7 +1,7 @@
 // The constraints of theory.md, 5, as rows: a row is the differential of one function of the path over its width, so that
 // the constraint is |row . delta X| <= 1. Widths that are infinite have no row. Which kinds are compiled in is decided by
-// pylmc/constraints/plan.py: HAS_NARROW (lobes), HAS_SMALL_OBJECTS, NUM_APERTURES; the bounds are always there. The setting
-// `constraints` leaves kinds out by name: USE_LOBES, USE_HOLES, USE_OBJECTS, USE_NORMALS.
+// pylmc/constraints/plan.py: HAS_NARROW (lobes), HAS_SMALL_OBJECTS, NUM_PORTALS; the bounds are always there. The setting
+// `constraints` leaves kinds out by name: USE_LOBES, USE_PORTALS, USE_OBJECTS, USE_NORMALS.
 #ifndef PYLMC_CONSTRAINTS
 #define PYLMC_CONSTRAINTS
 
@@ -101,16 +101,16 @@ void constrain_normal(const Vertex *vertex, const Curvature *curvature, const Ta
 #endif
 }
 
-// The segment from x to next stays in each aperture that it passes (11), (20); dx0 and dx1 are its ends' tangents. `skip`
-// is the aperture whose own chart the direction takes: there the constraint is a unit block, added by constrain_direction.
-void constrain_apertures(const Scene *scene, real3 x, const Vertex *next, const Tangent *dx0, const Tangent *dx1, int skip,
-                         int blocks, Factor *factor) {
-#if NUM_APERTURES > 0 && USE_HOLES
-    for (int i = 0; i < NUM_APERTURES; i++) {
+// The segment from x to next stays in each portal that it passes (11), (20); dx0 and dx1 are its ends' tangents. `skip`
+// is the portal whose own chart the direction takes: there the constraint is a unit block, added by constrain_direction.
+void constrain_portals(const Scene *scene, real3 x, const Vertex *next, const Tangent *dx0, const Tangent *dx1, int skip,
+                       int blocks, Factor *factor) {
+#if NUM_PORTALS > 0 && USE_PORTALS
+    for (int i = 0; i < NUM_PORTALS; i++) {
         real3 point;
-        __global const Aperture *aperture = &scene->apertures[i];
-        if (i == skip || !crosses_aperture(aperture, x, next->v, next->t, &point)) continue;
-        real3 normal = vec3(aperture->normal), axes[2] = {vec3(aperture->axis), cross(normal, vec3(aperture->axis))};
+        __global const Portal *portal = &scene->portals[i];
+        if (i == skip || !crosses_portal(portal, x, next->v, next->t, &point)) continue;
+        real3 normal = vec3(portal->normal), axes[2] = {vec3(portal->axis), cross(normal, vec3(portal->axis))};
         real share = dot(point - x, next->v) / next->t;
         real cosine = dot(next->v, normal);
         Tangent moved[COLUMN_BLOCKS];
@@ -119,7 +119,7 @@ void constrain_apertures(const Scene *scene, real3 x, const Vertex *next, const 
         for (int e = 0; e < 2; e++) {
             real3 slanted = axes[e] - dot(axes[e], next->v) / cosine * normal;
             Row row;
-            for (int b = 0; b < blocks; b++) row.block[b] = tangent_dot(slanted, moved[b]) / aperture->half_size[e];
+            for (int b = 0; b < blocks; b++) row.block[b] = tangent_dot(slanted, moved[b]) / portal->half_size[e];
             factor_add_row(factor, &row, 0);
         }
         factor->constraints += 2;
@@ -128,16 +128,16 @@ void constrain_apertures(const Scene *scene, real3 x, const Vertex *next, const 
 }
 
 // What binds a direction's own two coordinates: the bounds (one radian, one chart unit; the film for v_1), and its
-// aperture where it has that chart. Fills L's diagonal, which is still empty there.
+// portal where it has that chart. Fills L's diagonal, which is still empty there.
 void constrain_direction(const Scene *scene, const Chart *chart, int j, real3 x, Factor *factor) {
     real2 weight2 = (real2)(1.0);
     real angle = j == 1 ? scene->camera->bound : 1.0;
     if (chart->kind >= KIND_NODE) weight2 /= length2(chart->anchor - x);
     weight2 /= angle * angle;
-#if NUM_APERTURES > 0 && USE_HOLES
-    if (chart->kind >= KIND_APERTURE) {
-        __global const Aperture *aperture = &scene->apertures[chart->kind - KIND_APERTURE];
-        weight2 += (real2)(1.0 / square(aperture->half_size[0]), 1.0 / square(aperture->half_size[1]));
+#if NUM_PORTALS > 0 && USE_PORTALS
+    if (chart->kind >= KIND_PORTAL) {
+        __global const Portal *portal = &scene->portals[chart->kind - KIND_PORTAL];
+        weight2 += (real2)(1.0 / square(portal->half_size[0]), 1.0 / square(portal->half_size[1]));
         factor->constraints += 2;
     }
 #endif

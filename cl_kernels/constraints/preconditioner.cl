@@ -9,7 +9,7 @@
 #include "moves/drift.cl"
 
 // Without any of these nothing needs the tangents, and L is the bounds' diagonal: an isotropic step.
-#define NEEDS_TANGENTS (USE_LOBES || USE_HOLES || USE_OBJECTS || USE_NORMALS || DRIFT)
+#define NEEDS_TANGENTS (USE_LOBES || USE_PORTALS || USE_OBJECTS || USE_NORMALS || DRIFT)
 
 // The sweep: constraints (and the gradient) that depend on how the path moves. p is the frame at v_1.
 void add_moving_constraints(const Scene *scene, const Path *path, int m, real3 p, const Chart *charts, Factor *factor,
@@ -91,7 +91,7 @@ void add_moving_constraints(const Scene *scene, const Path *path, int m, real3 p
         Curvature curvature = curvature_at(scene, next);
         for (int b = 0; b < blocks; b++) dn[b] = normal_tangent(&curvature, dx[b]);
         if (chart->kind == KIND_DEVIATION) constrain_free_lobe(scene, here, chart, 2 * j - 2, factor);
-        constrain_apertures(scene, x, next, dx0, dx, chart->kind - KIND_APERTURE, blocks, factor);
+        constrain_portals(scene, x, next, dx0, dx, chart->kind - KIND_PORTAL, blocks, factor);
         if (HAS_SMALL_OBJECTS || j == path->length) constrain_object(scene, next, dx, blocks, factor);
         constrain_normal(next, &curvature, dn, blocks, factor);
         x = next->x;
@@ -118,7 +118,7 @@ void add_moving_constraints(const Scene *scene, const Path *path, int m, real3 p
         if (m + 1 < path->length) gradient_add_lobe(scene, next, path->vertex[m + 2].v, dv, still, still, blocks, gradient);
     }
 #endif
-    constrain_apertures(scene, x, next, dx, still, -1, blocks, factor);
+    constrain_portals(scene, x, next, dx, still, -1, blocks, factor);
 #if HAS_NARROW
     // the next node's lobe sees its light arrive from elsewhere and must send it on as before
     if (m + 1 < path->length && next->lobe != LOBE_DIFFUSE) {

@@ -24,7 +24,7 @@ PATH_KERNEL void render_independent(SCENE_PARAMETERS, uint seed, ulong first_ste
             continue;
         }
         counters[index].acceptance[0] += 1.0;
-        film_add(film, slot + pixel_of(&scene, path.vertex[1].v), group.scale * weight * colour_over_target(&radiance));
+        film_add(film, slot + pixel_of(&scene, path.vertex[1].v), group.scale * weight * colour_over_density(&radiance));
     }
     counters[index].rays += scene.rays;
 }

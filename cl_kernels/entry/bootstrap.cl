@@ -49,5 +49,5 @@ PATH_KERNEL void start_chains(SCENE_PARAMETERS, uint seed, uint chains, __global
     state->slot = start.slot;
     state->log_i = found ? radiance.log_i : LOG_ZERO;
     state->log_p = found ? log_p : 0.0;
-    vstore3(found ? colour_over_target(&radiance) : (real3)(0.0), 0, state->colour);
+    vstore3(found ? colour_over_density(&radiance) : (real3)(0.0), 0, state->colour);
 }

@@ -35,7 +35,7 @@ PATH_KERNEL void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int s
         count->proposed[taken.move]++;
         if (taken.acceptance < 1.0) film_add(film, slot + pixel, (1.0 - taken.acceptance) * colour);
         if (taken.acceptance > 0.0) {
-            real3 colour_new = colour_over_target(&taken.radiance);
+            real3 colour_new = colour_over_density(&taken.radiance);
             int pixel_new = pixel_of(&scene, y->vertex[1].v);
             film_add(film, slot + pixel_new, taken.acceptance * colour_new);
             count->acceptance[taken.move] += taken.acceptance;

@@ -69,7 +69,7 @@ PATH_KERNEL void displace_chains(SCENE_PARAMETERS, uint chains, __global const C
 }
 
 // One step of each chain, which stay as they are: what was drawn, proposed and decided. drawn: its move and outcome; numbers:
-// h, log p(X^|X), log p(X|X^), log of the target, acceptance, and the number that it was compared with.
+// h, log p(X^|X), log p(X|X^), log of the density, acceptance, and the number that it was compared with.
 PATH_KERNEL void try_step(SCENE_PARAMETERS, uint seed, ulong step, uint chains, float p_large, float log_h_min, float log_h_max,
                           __global const ChainState *states, __global int *drawn, __global real *numbers, __global real *xi_out,
                           __global real *node_out, __global real *directions, __global int *lobes,

@@ -1,7 +1,7 @@
 // Aimed directions (theory.md, 6: the independent sampler's first direction goes, part of the time, to a uniform point of an
-// aperture). Targets are apertures, aimed at uniformly in area, and small objects, aimed at uniformly in the cone of their
+// portal). Targets are portals, aimed at uniformly in area, and small objects, aimed at uniformly in the cone of their
 // bounding sphere. With AIM_EVERYWHERE diffuse nodes and
-// the camera aim too, for any segment may cross an aperture; without it the light alone does, as in theory.md.
+// the camera aim too, for any segment may cross a portal; without it the light alone does, as in theory.md.
 #ifndef PYLMC_AIMING
 #define PYLMC_AIMING
 
@@ -15,7 +15,7 @@
 
 #if NUM_TARGETS > 0
 
-// An aperture is aimed at with a margin: rounding puts the geometry's edge to either side of the rectangle's, and a path in
+// A portal is aimed at with a margin: rounding puts the geometry's edge to either side of the rectangle's, and a path in
 // between would be all but impossible to draw, hence of enormous weight. The part that does not grow with the hole is
 // by how far the offsets of a segment's ends can move it sideways, and a little.
 #define AIM_MARGIN 1.002

@@ -1,6 +1,6 @@
 // The drift a = T T^T grad log pi (theory.md, 3), from the tangents of the preconditioner's sweep (compiled in on demand).
 // The density that it climbs is that of the charts' own coordinates: log of luminance plus log dsigma/ddelta of each direction.
-// Each lobe counts by its own luminance, as if colours were grey; the target's weight over the film and textures, all but
+// Each lobe counts by its own luminance, as if colours were grey; the density's weight over the film and textures, all but
 // constant at the scale of a step, are left out.
 #ifndef PYLMC_DRIFT
 #define PYLMC_DRIFT

@@ -41,7 +41,7 @@ real camera_density(const Scene *scene, real3 v) {
     return aimed_density(scene, vec3(scene->camera->origin), v, camera_importance(scene, v), AIM_FROM_CAMERA);
 }
 
-// The weight of the target at a film position (pylmc/sampling/evenness.py): bilinear on a coarse grid over the film.
+// The weight of the chain's density at a film position (pylmc/sampling/evenness.py): bilinear on a coarse grid over the film.
 real film_weight(const Scene *scene, real3 v) {
     real2 position;
     if (!film_position(scene, v, &position)) return 1.0;

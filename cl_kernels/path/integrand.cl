@@ -5,7 +5,7 @@
 // kept as a colour and a logarithm, C = colour * exp(log_scale): near-mirrors and narrow holes overflow float32 otherwise.
 // Visibility is the business of whoever built the path.
 //
-// The chain's target may be any positive scalar of C: it is I = luminance of C, times a weight of the film position that
+// The chain's density may be any positive scalar of C: it is I = luminance of C, times a weight of the film position that
 // evens out the noise of dark and bright parts (pylmc/sampling/evenness.py). Splats carry C / I, so the picture does not change.
 #ifndef PYLMC_INTEGRAND
 #define PYLMC_INTEGRAND
@@ -18,12 +18,12 @@
 
 typedef struct {
     real3 colour;  // C / exp(log_scale)
-    real log_i;    // log of I, the chain's target density; LOG_ZERO where C = 0, and NaN is passed on, to be counted
+    real log_i;    // log of I, the chain's density pi; LOG_ZERO where C = 0, and NaN is passed on, to be counted
     real weight;   // of the film position
 } Radiance;
 
 // C / I.
-real3 colour_over_target(const Radiance *c) { return c->colour / (c->weight * luminance(c->colour)); }
+real3 colour_over_density(const Radiance *c) { return c->colour / (c->weight * luminance(c->colour)); }
 
 Radiance integrand(const Scene *scene, const Path *path) {
     Radiance c;

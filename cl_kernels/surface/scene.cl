@@ -26,7 +26,7 @@ typedef struct {
     __global const real *emitter_cdf;
     __global const int *emitter_triangles;
     __global const PointLight *points;
-    __global const Aperture *apertures;
+    __global const Portal *portals;
     __global const Target *targets;
     __global const Camera *camera;
     __global const float *evenness;
@@ -38,12 +38,12 @@ typedef struct {
         __global const real *normals, __global const real *uvs, __global const TriangleInfo *triangles,                      \
         __global const Material *materials, __global const TextureInfo *textures, __global const float *texels,              \
         __global const SceneObject *objects, __global const Emitter *emitters, __global const real *emitter_cdf,             \
-        __global const int *emitter_triangles, __global const PointLight *points, __global const Aperture *apertures,        \
+        __global const int *emitter_triangles, __global const PointLight *points, __global const Portal *portals,            \
         __global const Target *targets, __global const Camera *camera, __global const float *evenness
 
-#define SCENE_BUNDLE                                                                                                        \
-    {nodes,    leaves,      vertices,          faces,  normals,   uvs,     triangles, materials, textures, texels, objects, \
-     emitters, emitter_cdf, emitter_triangles, points, apertures, targets, camera,    evenness,  0u}
+#define SCENE_BUNDLE                                                                                                      \
+    {nodes,    leaves,      vertices,          faces,  normals, uvs,     triangles, materials, textures, texels, objects, \
+     emitters, emitter_cdf, emitter_triangles, points, portals, targets, camera,    evenness,  0u}
 
 real3 load3(__global const real *p, int i) { return vload3(i, p); }
 real3 vec3(__global const real *p) { return (real3)(p[0], p[1], p[2]); }

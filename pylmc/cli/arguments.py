@@ -26,19 +26,29 @@ from ..settings import (
 EPILOG = """\
 examples:
   pylmc render keyhole -o keyhole.exr --seconds 120
-  pylmc render keyhole:hole=0.02,roughness=0.01 -o small.exr --size 512x512
+  pylmc render keyhole:hole=0.02,alpha=0.01 -o small.exr --size 512x512
   pylmc render truck.glb --auto-camera --auto-light -o truck.exr
   pylmc render box -o reference.exr --integrator path --mutations-per-pixel 4000
   pylmc info keyhole
   pylmc compare keyhole.exr reference.exr -o difference.png
 
 SCENE is a built-in scene (`pylmc scenes` lists them), such as keyhole, with parameters after a colon if wanted:
-keyhole:hole=0.01,roughness=0.005; or the path of a .gltf or .glb file.
+keyhole:hole=0.01,alpha=0.005; or the path of a .gltf or .glb file.
 
 `pylmc COMMAND --help` explains a command. Bad input gives one line on stderr and exit code 2.
 """
 
-CHAIN_OPTIONS = ("chart", "coordinates", "rule", "drift", "large_steps", "step", "blocks", "constraints", "differentials")
+CHAIN_OPTIONS = (
+    "chart",
+    "coordinates",
+    "rule",
+    "drift",
+    "large_steps",
+    "step_length",
+    "blocks",
+    "constraints",
+    "differentials",
+)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -211,7 +221,7 @@ def _add_scene(parser: argparse.ArgumentParser) -> None:
         "scene",
         metavar="SCENE",
         help="a built-in scene (`pylmc scenes`), with parameters if wanted: "
-        "keyhole:hole=0.01,roughness=0.005; or a .gltf or .glb file",
+        "keyhole:hole=0.01,alpha=0.005; or a .gltf or .glb file",
     )
     parser.add_argument("--size", type=_size, metavar="WxH", help="of the film, in pixels (default: the scene's)")
     parser.add_argument(
@@ -252,7 +262,7 @@ def _add_chain(parser: argparse.ArgumentParser) -> None:
         "--large-steps", type=_probability, metavar="P", help="probability of an independent step (default: 0.2)"
     )
     chain.add_argument(
-        "--step",
+        "--step-length",
         type=_step,
         metavar="LEAST,GREATEST",
         help="bounds of the small steps' length h, drawn log-uniformly (default: 0.01,0.3)",

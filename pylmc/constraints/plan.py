@@ -15,14 +15,14 @@ import numpy as np
 
 from ..errors import PylmcError
 from ..geometry.objects import SceneObject
-from ..scene import Aperture, Scene
+from ..scene import Portal, Scene
 from ..scene.materials import MetallicRoughness, RoughConductor, RoughDielectric
 
 NARROW_ALPHA = 0.3  # lobes narrower than this leave by the deviation chart, wider ones by a target chart
 SMALL = 0.1  # an object is small, in units of the scene's radius, if two of its half-extents are below this
-WIDE_HOLE = 0.5  # a hole wider than this constrains nothing
+WIDE_PORTAL = 0.5  # a hole wider than this constrains nothing
 FLAT = 1e-4  # half-extents below this part of the largest are no extent at all: the node is on the surface anyway
-MAX_APERTURES = 16
+MAX_PORTALS = 16
 AIM_RADIUS, MAX_AIMED_OBJECTS = 0.05, 8
 
 
@@ -38,7 +38,7 @@ class ConstraintPlan:
 
     narrow_materials: tuple[str, ...]
     glossy_materials: int
-    apertures: tuple[Aperture, ...]
+    portals: tuple[Portal, ...]
     object_weights: np.ndarray
     small_objects: int
     emitters: int
@@ -47,7 +47,7 @@ class ConstraintPlan:
     left_out: tuple[str, ...] = ()
 
 
-def roughness(material: Any) -> float | None:
+def alpha_of(material: Any) -> float | None:
     """GGX alpha of a material's glossy lobe, or None where it has none."""
     if isinstance(material, RoughConductor | RoughDielectric):
         return material.alpha
@@ -59,19 +59,19 @@ def roughness(material: Any) -> float | None:
 def plan_constraints(scene: Scene, objects: Sequence[SceneObject], radius: float) -> ConstraintPlan:
     """Decide which constraints ``scene`` has; ``radius`` is the scene's, in scene units."""
     left_out: list[str] = []
-    alphas = {id(s.material): (s.name or f"shape {i}", roughness(s.material)) for i, s in enumerate(scene.shapes)}
+    alphas = {id(s.material): (s.name or f"shape {i}", alpha_of(s.material)) for i, s in enumerate(scene.shapes)}
     glossy = [(name, alpha) for name, alpha in alphas.values() if alpha is not None]
     narrow = tuple(name for name, alpha in glossy if alpha < NARROW_ALPHA)
     left_out += [
         f"lobe of '{name}': alpha={a:g} is wide, its directions take target charts" for name, a in glossy if a >= NARROW_ALPHA
     ]
 
-    apertures = [a for a in scene.apertures if min(a.half_size) <= WIDE_HOLE * radius]
-    if len(apertures) < len(scene.apertures):
-        left_out.append(f"{len(scene.apertures) - len(apertures)} aperture(s) wider than {WIDE_HOLE:g} scene radii")
-    if len(apertures) > MAX_APERTURES:
-        left_out.append(f"{len(apertures) - MAX_APERTURES} aperture(s) beyond the {MAX_APERTURES} smallest")
-        apertures = sorted(apertures, key=lambda a: a.half_size[0] * a.half_size[1])[:MAX_APERTURES]
+    portals = [a for a in scene.portals if min(a.half_size) <= WIDE_PORTAL * radius]
+    if len(portals) < len(scene.portals):
+        left_out.append(f"{len(scene.portals) - len(portals)} portal(s) wider than {WIDE_PORTAL:g} scene radii")
+    if len(portals) > MAX_PORTALS:
+        left_out.append(f"{len(portals) - MAX_PORTALS} portal(s) beyond the {MAX_PORTALS} smallest")
+        portals = sorted(portals, key=lambda a: a.half_size[0] * a.half_size[1])[:MAX_PORTALS]
 
     emitting = {i for i, shape in enumerate(scene.shapes) if shape.emission}
     weights = np.zeros((len(objects), 3))
@@ -97,7 +97,7 @@ def plan_constraints(scene: Scene, objects: Sequence[SceneObject], radius: float
     return ConstraintPlan(
         narrow,
         len(glossy),
-        tuple(apertures),
+        tuple(portals),
         weights,
         small,
         sum(item.shape in emitting for item in objects),

@@ -38,7 +38,7 @@ SCENE_ARGUMENTS: dict[str, str | None] = {
     "emitter_cdf": None,
     "emitter_triangles": None,
     "points": "PointLight",
-    "apertures": "Aperture",
+    "portals": "Portal",
     "targets": "Target",
     "camera": "Camera",
     "evenness": None,
@@ -101,7 +101,7 @@ class DeviceScene:
         return cl.Buffer(self.context, cl.mem_flags.READ_WRITE | cl.mem_flags.COPY_HOST_PTR, hostbuf=data)
 
     def set_evenness(self, weights: np.ndarray) -> None:
-        """Give the target its weights over the film (see pylmc.sampling.evenness)."""
+        """Give the chains' density its weights over the film (see pylmc.sampling.evenness)."""
         self.buffers[list(SCENE_ARGUMENTS).index("evenness")] = self.upload(weights)
 
     def zeros(self, nbytes: int) -> cl.Buffer:

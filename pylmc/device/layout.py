@@ -45,8 +45,8 @@ TEXTURE_INFO: list[Any] = [("offset", np.int32), ("width", np.int32), ("height",
 SCENE_OBJECT: list[Any] = [("axes", np.float64, (9,)), ("inverse_half", *_F3), ("small", np.int32)]
 EMITTER: list[Any] = [("radiance", *_F3), ("density", np.float64)]
 POINT_LIGHT: list[Any] = [("position", *_F3), ("intensity", *_F3), ("cumulative", np.float64)]
-APERTURE: list[Any] = [("centre", *_F3), ("normal", *_F3), ("axis", *_F3), ("half_size", np.float64, (2,))]
-TARGET: list[Any] = [*APERTURE, ("sphere", np.int32)]
+PORTAL: list[Any] = [("centre", *_F3), ("normal", *_F3), ("axis", *_F3), ("half_size", np.float64, (2,))]
+TARGET: list[Any] = [*PORTAL, ("sphere", np.int32)]
 CHAIN_START: list[Any] = [
     ("group", np.uint32),
     ("number", np.uint32),
@@ -72,7 +72,7 @@ SCENE_STRUCTS = {
     "SceneObject": SCENE_OBJECT,
     "Emitter": EMITTER,
     "PointLight": POINT_LIGHT,
-    "Aperture": APERTURE,
+    "Portal": PORTAL,
     "Target": TARGET,
 }
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..scene import Aperture, Shape
+from ..scene import Portal, Shape
 from .flat_pieces import Outline, outlines
 from .topology import DOUBLE, SINGLE, concatenate, roundoff
 
@@ -14,7 +14,7 @@ FLATNESS = 1e-5  # a piece is flat if its outline leaves its plane by less than 
 NARROWEST = 1e-6  # a loop narrower than this part of its length is a crack between triangles, not a hole
 
 
-def find_apertures(shapes: Sequence[Shape]) -> list[Aperture]:
+def find_portals(shapes: Sequence[Shape]) -> list[Portal]:
     """The holes of all flat open pieces, each fitted with the rectangle of least area around its loop.
 
     A piece is what coplanar triangles form that share edges or parts of edges (also across shapes: a wall may be four
@@ -35,8 +35,8 @@ def find_apertures(shapes: Sequence[Shape]) -> list[Aperture]:
     return []
 
 
-def _holes(outline: Outline, precision: float) -> list[Aperture]:
-    """The apertures in one piece."""
+def _holes(outline: Outline, precision: float) -> list[Portal]:
+    """The portals in one piece."""
     away = (outline.points - outline.points[0]) @ outline.normal
     size = np.linalg.norm(np.ptp(outline.points, axis=0))
     allowed = roundoff(outline.points, precision)
@@ -59,7 +59,7 @@ def _holes(outline: Outline, precision: float) -> list[Aperture]:
         if half[1] <= NARROWEST * half[0] or half[1] <= allowed:
             continue
         found.append(
-            Aperture(
+            Portal(
                 origin + centre[0] * first + centre[1] * second,
                 outline.normal,
                 axis[0] * first + axis[1] * second,

@@ -1,4 +1,4 @@
-"""Which vertices of the scene's meshes are the same point: the ground for objects and apertures."""
+"""Which vertices of the scene's meshes are the same point: the ground for objects and portals."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..constraints.plan import NARROW_ALPHA, ConstraintPlan, plan_constraints, roughness
+from ..constraints.plan import NARROW_ALPHA, ConstraintPlan, alpha_of, plan_constraints
 from ..device import layout
 from ..device.precision import nominal, real_fields
 from ..errors import PylmcError
@@ -113,7 +113,7 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
         "emitter_cdf": lights["emitter_cdf"],
         "emitter_triangles": lights["emitter_triangles"],
         "points": lights["points"],
-        "apertures": _apertures(plan, centre, scale),
+        "portals": _portals(plan, centre, scale),
         "targets": _targets(plan, objects, centre, scale),
         "camera": _camera(scene, centre, scale),
         "evenness": np.ones((GRID, GRID), np.float32),
@@ -121,14 +121,14 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
     for name in arrays.keys() - set(FIXED_ARRAYS):
         arrays[name] = arrays[name].astype(real_fields(arrays[name].dtype, kind.host), copy=False)
     kinds = [shape.material for shape in scene.shapes]
-    glossy = [alpha for alpha in map(roughness, kinds) if alpha is not None]
+    glossy = [alpha for alpha in map(alpha_of, kinds) if alpha is not None]
     features = tree.defines() | {
         "HAS_POINTS": len(scene.lights) > 0,
         "HAS_EMITTERS": len(lights["emitter_triangles"]) > 0,
         "NUM_POINTS": len(scene.lights),
         "NUM_EMITTER_TRIANGLES": len(lights["emitter_triangles"]),
-        "NUM_APERTURES": len(plan.apertures),
-        "NUM_TARGETS": len(plan.apertures) + len(plan.aimed_objects),
+        "NUM_PORTALS": len(plan.portals),
+        "NUM_TARGETS": len(plan.portals) + len(plan.aimed_objects),
         "HAS_DIFFUSE": any(isinstance(kind, Diffuse | MetallicRoughness) for kind in kinds),
         "HAS_GLOSSY": bool(glossy),
         "HAS_TRANSMIT": any(isinstance(kind, RoughDielectric) for kind in kinds),
@@ -153,7 +153,7 @@ def _per_vertex(shapes: Sequence[Shape], counts: list[int], width: int, get: Any
 def _material_record(material: Material, textures: list[Texture]) -> np.ndarray:
     record = np.zeros((), layout.MATERIAL)
     record["texture"] = -1
-    record["alpha"] = roughness(material) or 0
+    record["alpha"] = alpha_of(material) or 0
     record["narrow"] = 0 < record["alpha"] < NARROW_ALPHA
     if isinstance(material, RoughConductor | RoughDielectric):
         record["separable"] = material.masking == "separable"
@@ -274,17 +274,17 @@ def _objects(objects: Sequence[SceneObject], plan: ConstraintPlan, scale: float)
     return records
 
 
-def _apertures(plan: ConstraintPlan, centre: np.ndarray, scale: float) -> np.ndarray:
-    records = np.zeros(len(plan.apertures), layout.APERTURE)
-    for record, aperture in zip(records, plan.apertures, strict=True):
-        record["centre"] = (aperture.centre - centre) / scale
-        record["normal"], record["axis"] = aperture.normal, aperture.axis
-        record["half_size"] = np.array(aperture.half_size) / scale
+def _portals(plan: ConstraintPlan, centre: np.ndarray, scale: float) -> np.ndarray:
+    records = np.zeros(len(plan.portals), layout.PORTAL)
+    for record, portal in zip(records, plan.portals, strict=True):
+        record["centre"] = (portal.centre - centre) / scale
+        record["normal"], record["axis"] = portal.normal, portal.axis
+        record["half_size"] = np.array(portal.half_size) / scale
     return records
 
 
 def _targets(plan: ConstraintPlan, objects: Sequence[SceneObject], centre: np.ndarray, scale: float) -> np.ndarray:
-    holes = _apertures(plan, centre, scale)
+    holes = _portals(plan, centre, scale)
     records = np.zeros(len(holes) + len(plan.aimed_objects), layout.TARGET)
     for name in ("centre", "normal", "axis", "half_size"):
         records[name][: len(holes)] = holes[name]

@@ -1,7 +1,7 @@
-"""The target's weight over the film: as many samples for dark parts of the picture as for bright ones.
+"""The density's weight over the film: as many samples for dark parts of the picture as for bright ones.
 
-A chain whose target is luminance visits a pixel in proportion to its brightness, so that shadows stay noisy for long after
-the highlights are clean. Dividing the target by a rough picture, made of other paths than the start's, evens that out; the
+A chain whose density is luminance visits a pixel in proportion to its brightness, so that shadows stay noisy for long after
+the highlights are clean. Dividing the density by a rough picture, made of other paths than the start's, evens that out; the
 splats are multiplied by it again, so the picture is the same (Veach 1997, 11.3.3: two-stage MLT).
 """
 

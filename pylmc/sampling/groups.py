@@ -46,7 +46,7 @@ class Group:
 
     @property
     def b(self) -> float:
-        """The integral of the target over this group, in scaled units."""
+        """The integral of the density over this group, in scaled units."""
         return self.weight_sum / max(self.weighed, 1)
 
     @property

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..constraints.plan import roughness
+from ..constraints.plan import alpha_of
 from ..device.precision import nominal
 from ..scene import Scene
 from .compiled import CompiledScene
@@ -21,12 +21,12 @@ from .compiled import CompiledScene
 class Thresholds:
     """What a number type holds; nothing is known to go wrong above.
 
-    Half-sizes of ``holes``, ``objects`` and ``emitters``; heights of ``camera`` and ``light`` above a surface; the camera's
+    Half-sizes of ``portals``, ``objects`` and ``emitters``; heights of ``camera`` and ``light`` above a surface; the camera's
     ``view``, the tangent of half its field times that height (1 at most: rays along a surface move their node 1/height as
     far); roughness ``alpha``.
     """
 
-    holes: float
+    portals: float
     objects: float
     emitters: float
     camera: float
@@ -36,7 +36,7 @@ class Thresholds:
 
 
 SINGLE = Thresholds(
-    holes=4.9e-5,  # at 5e-6 z = 3.7, acceptance 0.81 for 0.88; at 5e-7 small steps are out of balance, z = 31
+    portals=4.9e-5,  # at 5e-6 z = 3.7, acceptance 0.81 for 0.88; at 5e-7 small steps are out of balance, z = 31
     objects=4.9e-5,  # at 5e-6 acceptance is 0.72 for 0.85; at 5e-7 30 % of the light is lost
     emitters=9e-5,  # at 1e-5 small steps are out of balance, z = 13.7
     camera=4.9e-6,  # at 5e-7 no light is found
@@ -45,7 +45,7 @@ SINGLE = Thresholds(
     alpha=9e-7,  # at 1e-7 a caustic is 10 % too bright, at 1e-8 2.8 times; mirrors' small steps are out of balance, z = 9.5
 )
 FLOAT32_RAYS = Thresholds(
-    holes=4.9e-6,  # at 5e-7 acceptance is 0.71 for 0.88; at 5e-9 the picture is 470 times too bright
+    portals=4.9e-6,  # at 5e-7 acceptance is 0.71 for 0.88; at 5e-9 the picture is 470 times too bright
     objects=4.9e-5,  # at 5e-6 acceptance is 0.77 for 0.85, z = 2.8; at 5e-7 29 % of the light is lost
     emitters=9e-7,  # nothing went wrong at 1e-6
     camera=4.9e-6,  # at 5e-7 no light is found
@@ -76,8 +76,8 @@ def limits(scene: Scene, compiled: CompiledScene, precision: str) -> list[str]:
             found.append(f"{what}: {value:.2g}, where {good_to}; light may be wrong or missing: use precision '{remedy}'")
 
     scale, plan = compiled.scale, compiled.plan
-    for i, hole in enumerate(plan.apertures):
-        check(f"aperture {i} at {_place(hole.centre)} is very small", min(hole.half_size) / scale, "holes")
+    for i, hole in enumerate(plan.portals):
+        check(f"portal {i} at {_place(hole.centre)} is very small", min(hole.half_size) / scale, "portals")
     for item, weights in zip(compiled.objects, plan.object_weights, strict=True):
         if np.any(weights > 0):
             shape = scene.shapes[item.shape]
@@ -90,7 +90,7 @@ def limits(scene: Scene, compiled: CompiledScene, precision: str) -> list[str]:
         height, shape_below = _height(scene, light.position, scale)
         check(f"light {i} is very close to '{shape_below}'", height, "light")
     for i, shape in enumerate(scene.shapes):
-        alpha = roughness(shape.material)
+        alpha = alpha_of(shape.material)
         if alpha is not None:
             check(f"the roughness of '{shape.name or f'shape {i}'}' is very small", alpha, "alpha")
     return _shortened(found)

@@ -1,6 +1,6 @@
 """The chain itself: an exact start, then Markov steps on the device (theory.md, 3 and 6).
 
-``Sampler.init(seed)`` weighs independent paths and starts chains in the target; ``step(n)`` advances every chain;
+``Sampler.init(seed)`` weighs independent paths and starts chains in their density; ``step(n)`` advances every chain;
 ``states()`` lays them open as arrays. ``render`` is a loop around these.
 """
 
@@ -128,7 +128,7 @@ class Sampler:
         return groups
 
     def init(self, seed: int = 0, chains: int = 4096, candidates: int = 1 << 18) -> list[Group]:
-        """Start ``chains`` chains in the target: resample the candidates in proportion to their weights.
+        """Start ``chains`` chains in their density: resample the candidates in proportion to their weights.
 
         Chains are shared out among the groups in proportion to b; a group in which no light was found has none. The
         same seed gives the same chains. Returns the groups.
@@ -137,7 +137,7 @@ class Sampler:
         chains, candidates = check_integer("chains", chains, 1, 1 << 24), check_integer("candidates", candidates, 1, 1 << 30)
         self.device_scene.set_evenness(np.ones((GRID, GRID), np.float32))
         if self.settings.even:
-            self._weight_target(max(candidates // 4, 1))
+            self._weight_density(max(candidates // 4, 1))
         weighed = self._weigh(candidates, seed)
         self._check_found(weighed, candidates)
         self._start_not_finite = sum(group.not_finite for group in weighed)
@@ -188,11 +188,11 @@ class Sampler:
 
     def _step_numbers(self) -> tuple[np.float32, np.float32, np.float32]:
         """What markov_step.cl needs to know of a step: the probability of a large one, and the range of log h."""
-        low, high = self.settings.step
+        low, high = self.settings.step_length
         return np.float32(self.settings.large_steps), np.float32(np.log(low)), np.float32(np.log(high))
 
-    def _weight_target(self, pilot: int) -> None:
-        """Weight the target over the film by a rough picture, the same one whatever the seed.
+    def _weight_density(self, pilot: int) -> None:
+        """Weight the density over the film by a rough picture, the same one whatever the seed.
 
         Its paths are none of the start's: weights fitted to the candidates that they then weigh would come out too low,
         and b with them.
@@ -325,14 +325,14 @@ class Sampler:
         )
         return device.read_reals(nodes, shape), device.read_reals(directions, shape)
 
-    def trial(self, step: int | None = None) -> Trial:
+    def trial(self, number: int | None = None) -> Trial:
         """What one step of each chain would do, the chains staying as they are.
 
-        ``step`` names its random numbers: those of the chains' step of this number (the first is 0), or of the next one.
+        ``number`` names its random numbers: those of the chains' step of this number (the first is 0), or of the next one.
         """
         self._check_started()
         device, chains, k = self.device_scene, self.chains, self.settings.max_depth
-        number = self.steps_done if step is None else check_integer("step", step, 0, 1 << 40)
+        number = self.steps_done if number is None else check_integer("number", number, 0, 1 << 40)
         counts = {"drawn": (2,), "lobes": (k,), "triangles": (k,)}
         reals = {"numbers": (6,), "xi": (2 * k,), "nodes": (k, 3), "directions": (k, 3)}
         whole = {name: device.upload(np.full((chains, *shape), -1, np.int32)) for name, shape in counts.items()}

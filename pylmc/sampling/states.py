@@ -13,7 +13,7 @@ class States(NamedTuple):
     length, ending (chains,): segments, 0 connect or 1 hit. v_1 (chains, 3). nodes x_1 … x_K (chains, K, 3), in scene
     units; directions v_1 … v_K (chains, K, 3). deviations Ω_i (chains, K, 2): of v_{i+1} from the lobe's reference
     direction at x_i. lobes (chains, K): 0 diffuse, 1 reflection, 2 dielectric reflection, 3 refraction. kinds
-    (chains, K): each free direction's chart: 0 projection, 1 deviation, 2 next node, 3 + i aperture i. log_pi: log of the
+    (chains, K): each free direction's chart: 0 projection, 1 deviation, 2 next node, 3 + i portal i. log_pi: log of the
     target I in scaled units; log_p: log of the independent sampler's density. factors L (chains, 2 K, 2 K): Q = L Lᵀ.
     gradients (chains, 2 K): of the log density in the charts' coordinates, where drift is on. A path with a direction out of
     its chart's reach (orthographic charts reach half the sphere) has kinds -1 and L = 0: only large steps move it.
@@ -40,7 +40,7 @@ class Trial(NamedTuple):
     (chains, 2 K) its standard normal numbers; NaN beyond. exists: whether there was a proposal that carries light; where
     there was none the rest is NaN (or -1). nodes x_1 … x_K (chains, K, 3), in scaled units, directions v_1 … v_K, lobes and
     triangles (chains, K): the proposal. log_forward, log_reverse: log p(X̂|X) and log p(X|X̂), per solid angle of the
-    directions that moved. log_pi: log of the target I at the proposal. acceptance: the probability of it, 0 without a
+    directions that moved. log_pi: log of the density I at the proposal. acceptance: the probability of it, 0 without a
     proposal; drawn: the uniform number that decides; accepted: whether it is below.
     """
 

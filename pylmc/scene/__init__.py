@@ -3,18 +3,18 @@
 from .camera import Camera
 from .lights import PointLight
 from .materials import Diffuse, Material, MetallicRoughness, RoughConductor, RoughDielectric
-from .portal import Aperture
+from .portal import Portal
 from .scene import Scene
 from .shape import Shape
 from .texture import Texture
 
 __all__ = [
-    "Aperture",
     "Camera",
     "Diffuse",
     "Material",
     "MetallicRoughness",
     "PointLight",
+    "Portal",
     "RoughConductor",
     "RoughDielectric",
     "Scene",

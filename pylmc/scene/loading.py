@@ -77,4 +77,4 @@ def _build(name: str, values: dict[str, Any]) -> Scene:
     return scene_module(name).build(**values)
 
 
-LIMITS = {"hole": 0.9, "roughness": 1.0, "light": 0.95, "size": 0.5, "ior": 10.0}
+LIMITS = {"hole": 0.9, "alpha": 1.0, "light": 0.95, "size": 0.5, "ior": 10.0}

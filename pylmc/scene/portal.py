@@ -12,7 +12,7 @@ from .values import as_point
 
 
 @dataclass(frozen=True, eq=False)
-class Aperture:
+class Portal:
     """A rectangular hole: ``centre``, unit ``normal``, unit in-plane ``axis``, ``half_size`` along axis and normal × axis."""
 
     centre: Any
@@ -22,20 +22,20 @@ class Aperture:
 
     def __post_init__(self) -> None:
         for name in ("centre", "normal", "axis"):
-            object.__setattr__(self, name, as_point(getattr(self, name), f"Aperture.{name}"))
+            object.__setattr__(self, name, as_point(getattr(self, name), f"Portal.{name}"))
         try:
             half = np.broadcast_to(np.asarray(self.half_size, dtype=np.float64), 2)
         except (TypeError, ValueError):
-            raise PylmcError(f"Aperture.half_size={self.half_size!r}: give one positive number or two") from None
+            raise PylmcError(f"Portal.half_size={self.half_size!r}: give one positive number or two") from None
         if not np.all(np.isfinite(half)) or np.any(half <= 0):
-            raise PylmcError(f"Aperture.half_size={self.half_size!r} must be positive")
+            raise PylmcError(f"Portal.half_size={self.half_size!r} must be positive")
         n = np.linalg.norm(self.normal)
         if not n > 0:
-            raise PylmcError("Aperture.normal has length zero")
+            raise PylmcError("Portal.normal has length zero")
         normal = self.normal / n
         axis = self.axis - (self.axis @ normal) * normal
         if not np.linalg.norm(axis) > 1e-9:
-            raise PylmcError("Aperture.axis is parallel to its normal; give a vector in the hole's plane")
+            raise PylmcError("Portal.axis is parallel to its normal; give a vector in the hole's plane")
         object.__setattr__(self, "normal", normal)
         object.__setattr__(self, "axis", axis / np.linalg.norm(axis))
         object.__setattr__(self, "half_size", (float(half[0]), float(half[1])))

@@ -1,4 +1,4 @@
-"""The scene as a person describes it: camera, shapes, lights, apertures."""
+"""The scene as a person describes it: camera, shapes, lights, portals."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from typing import Any
 from ..errors import PylmcError
 from .camera import Camera
 from .lights import PointLight
-from .portal import Aperture
+from .portal import Portal
 from .shape import Shape
 from .values import as_list
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Camera, shapes, point lights and apertures. ``apertures="auto"`` finds the holes in open planar pieces."""
+    """Camera, shapes, point lights and portals. ``portals="auto"`` finds the holes in open planar pieces."""
 
     camera: Camera
     shapes: Sequence[Shape]
     lights: Sequence[PointLight] = ()
-    apertures: Any = "auto"
+    portals: Any = "auto"
 
     def __post_init__(self) -> None:
         if not isinstance(self.camera, Camera):
@@ -32,15 +32,15 @@ class Scene:
             raise PylmcError("Scene: no shapes; there is nothing for light to meet")
         if not self.lights and not any(shape.emission for shape in self.shapes):
             raise PylmcError("Scene: no light; add a PointLight or give a shape emission (or --auto-light for a file)")
-        if isinstance(self.apertures, str):
-            if self.apertures != "auto":
-                raise PylmcError(f"Scene.apertures={self.apertures!r}: use 'auto', or a list of Aperture, or ()")
-            from ..geometry.portals import find_apertures
+        if isinstance(self.portals, str):
+            if self.portals != "auto":
+                raise PylmcError(f"Scene.portals={self.portals!r}: use 'auto', or a list of Portal, or ()")
+            from ..geometry.portals import find_portals
 
-            object.__setattr__(self, "apertures", tuple(find_apertures(self.shapes)))
+            object.__setattr__(self, "portals", tuple(find_portals(self.shapes)))
         else:
-            object.__setattr__(self, "apertures", as_list(self.apertures, "Scene.apertures", Aperture))
+            object.__setattr__(self, "portals", as_list(self.portals, "Scene.portals", Portal))
 
     def with_size(self, width: int, height: int) -> Scene:
         """The same scene on a film of another size."""
-        return Scene(self.camera.resized(width, height), self.shapes, self.lights, self.apertures)
+        return Scene(self.camera.resized(width, height), self.shapes, self.lights, self.portals)

@@ -106,7 +106,7 @@ def test_built_in_scenes_are_within_every_limit(name: str, precision: str) -> No
 
 # an axis, a value beyond the limits of single and of mixed (None where mixed has none), what the sentence names
 BEYOND = [
-    ("hole", 1e-5, 1e-6, "aperture 0"),
+    ("hole", 1e-5, 1e-6, "portal 0"),
     ("object", 1e-5, 1e-5, "'small box'"),
     ("emitter", 1e-5, None, "'lamp'"),
     ("grazing camera", 1e-6, 1e-6, "the camera is very close to 'floor'"),
@@ -138,7 +138,7 @@ def test_what_a_mode_cannot_do_is_said_with_the_one_that_can(name: str, single: 
 def test_info_and_the_sampler_say_so() -> None:
     scene = AXIS["hole"].build(1e-6)
     assert "use precision 'double'" in pylmc.info(scene) and "nothing in this scene" in pylmc.info(scene, precision="double")
-    with pytest.warns(PylmcWarning, match="aperture 0"):
+    with pytest.warns(PylmcWarning, match="portal 0"):
         Sampler(scene, max_depth=2)
     with warnings.catch_warnings():
         warnings.simplefilter("error", PylmcWarning)
@@ -163,7 +163,7 @@ def test_the_command_warns_in_one_line(capsys: pytest.CaptureFixture[str], tmp_p
     ]
     assert main(arguments) == 0
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("pylmc: warning: aperture 0 at (0, 0.5, 0.5) is very small") and "use precision '" in line
+    assert line.startswith("pylmc: warning: portal 0 at (0, 0.5, 0.5) is very small") and "use precision '" in line
 
 
 def test_a_black_picture_is_not_silent() -> None:
@@ -188,9 +188,9 @@ def test_large_pictures_come_group_by_group() -> None:
 @pytest.mark.parametrize(("intensity", "said"), [(1e-42, "too dim"), (1e36, None), (1.0, None)])
 def test_radiance_beyond_a_pictures_range_is_said(intensity: float, said: str | None) -> None:
     """Pictures are float32: what falls below its range warns, and does not just come out black."""
-    scene = pylmc.load("keyhole", hole=0.3, roughness=0.2, width=8, height=8)
+    scene = pylmc.load("keyhole", hole=0.3, alpha=0.2, width=8, height=8)
     lights = [pylmc.PointLight(scene.lights[0].position, intensity)]
-    scene = pylmc.Scene(scene.camera, scene.shapes, lights, scene.apertures)
+    scene = pylmc.Scene(scene.camera, scene.shapes, lights, scene.portals)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         pylmc.render(scene, mutations_per_pixel=2000, max_depth=3, progress=False)

@@ -28,9 +28,9 @@ from pylmc.sampling.compiled import compile_scene
 from pylmc.settings import Settings
 
 SCENES: dict[str, dict[str, float]] = {
-    "keyhole": {"hole": 0.3, "roughness": 0.2},
-    "glints": {"size": 0.2, "roughness": 0.2},
-    "caustic": {"roughness": 0.2},
+    "keyhole": {"hole": 0.3, "alpha": 0.2},
+    "glints": {"size": 0.2, "alpha": 0.2},
+    "caustic": {"alpha": 0.2},
     "box": {},
     "textured": {},
 }
@@ -232,8 +232,8 @@ def test_independent_densities_integrate_to_one(name: str) -> None:
     light = np.broadcast_to(paths.x[0, -1], v.shape)
     assert (emission_density(world, light, normal, v) * weight).sum() == pytest.approx(1, abs=2e-2)
     wanted = surface(world, paths, 1).lobe == DIFFUSE
-    for aperture in world.arrays["apertures"]:  # from its own plane an aperture is nowhere
-        wanted &= np.abs((paths.x[:, 1] - aperture["centre"]) @ aperture["normal"]) > 0.05
+    for portal in world.arrays["portals"]:  # from its own plane a portal is nowhere
+        wanted &= np.abs((paths.x[:, 1] - portal["centre"]) @ portal["normal"]) > 0.05
     node = repeated(paths, int(np.flatnonzero(wanted)[0]), len(v))
     assert (scatter_density(world, node, 1, -node.v[:, 1], v) * weight).sum() == pytest.approx(1, abs=2e-2)
 

@@ -22,7 +22,7 @@ from pylmc.settings import Settings
 
 JACOBIAN = 1e-3
 STEP = 0.02
-KINDS = {"projection": 0, "node": 2, "aperture": 3}
+KINDS = {"projection": 0, "node": 2, "portal": 3}
 
 SOURCE = """
 #include "number/vectors.cl"
@@ -87,17 +87,17 @@ __kernel void probe_frames(SCENE_PARAMETERS, int count, int lobe, int material, 
 
 
 def device_scene(**settings: Any) -> DeviceScene:
-    """A scene with every kind of lobe and an aperture."""
+    """A scene with every kind of lobe and a portal."""
     wall = (np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], float), [[0, 1, 2]])
     materials = [Diffuse(0.5), RoughConductor(0.1), RoughDielectric(0.1, 1.5)]
     shapes = [Shape((wall[0] + i, wall[1]), material) for i, material in enumerate(materials)]
-    scene = Scene(Camera((0, 0, 9), (0, 0, 0)), shapes, [PointLight((0, 5, 0))], apertures=())
+    scene = Scene(Camera((0, 0, 9), (0, 0, 0)), shapes, [PointLight((0, 5, 0))], portals=())
     return DeviceScene(compile_scene(scene), Settings(max_depth=4, coordinates="deviation", **settings))
 
 
 def run(device: DeviceScene, name: str, count: int, width: int, *arguments: Any) -> Array:
     """Launch a probe; arrays become float32 buffers. Returns (count, width) float64."""
-    kernel = build_probe(device, SOURCE, name, NUM_APERTURES=1)
+    kernel = build_probe(device, SOURCE, name, NUM_PORTALS=1)
     out = device.zeros(4 * count * width)
     buffers = [device.upload(a.astype(np.float32)) if isinstance(a, np.ndarray) else a for a in arguments]
     device.launch(kernel, count, np.int32(count), *buffers, out)

@@ -91,7 +91,7 @@ def test_nothing_and_nan_leave_the_film_alone(device: DeviceScene) -> None:
 @pytest.mark.parametrize("integrator", ["lmc", "bdpt", "path"])
 def test_the_seed_makes_the_picture(integrator: str) -> None:
     """The same seed twice: the same bits. Another seed: another picture."""
-    scene = pylmc.load("keyhole", hole=0.4, roughness=0.2).with_size(24, 18)
+    scene = pylmc.load("keyhole", hole=0.4, alpha=0.2).with_size(24, 18)
 
     def picture(seed: int) -> np.ndarray:
         work = {"mutations_per_pixel": 60, "integrator": integrator, "max_depth": 4, "progress": False}

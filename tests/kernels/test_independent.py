@@ -89,7 +89,7 @@ def test_densities_of_arbitrary_paths(name: str) -> None:
         total, wrong = total + int(proper.sum()), wrong + int((proper & ~good).sum())
         lit += int((proper & np.isfinite(log_pi)).sum())
     assert lit > 300
-    # sides of surfaces, edges of apertures and of the film are decided in float32: a few paths fall on the other one
+    # sides of surfaces, edges of portals and of the film are decided in float32: a few paths fall on the other one
     assert wrong <= 1e-3 * total, (wrong, total)
 
 

@@ -108,7 +108,7 @@ class Lobes:
     def __init__(self) -> None:
         triangle = np.eye(3)
         shapes = [Shape((triangle + i, [[0, 1, 2]]), material) for i, material in enumerate(MATERIALS)]
-        scene = Scene(Camera((0, 0, 9), (0, 0, 0)), shapes, [PointLight((0, 5, 0))], apertures=())
+        scene = Scene(Camera((0, 0, 9), (0, 0, 0)), shapes, [PointLight((0, 5, 0))], portals=())
         self.compiled: CompiledScene = compile_scene(scene)
         self.device = DeviceScene(self.compiled, Settings(max_depth=2))
         # no targets: the lobes' own sampling, without aiming

@@ -20,9 +20,9 @@ from .vectors import Array
 
 DEPTH, CHAINS = 8, 120
 SCENES: dict[str, dict[str, float]] = {
-    "keyhole": {"hole": 0.1, "roughness": 0.05},
-    "glints": {"size": 0.1, "roughness": 0.1},
-    "caustic": {"roughness": 0.1},
+    "keyhole": {"hole": 0.1, "alpha": 0.05},
+    "glints": {"size": 0.1, "alpha": 0.1},
+    "caustic": {"alpha": 0.1},
     "box": {},
     "textured": {},
 }
@@ -59,7 +59,7 @@ CASES = [
 ]
 LONG = [
     case("keyhole", "double", constraints=("lobes", "objects"), rule="rms"),
-    case("keyhole", "double", constraints=("holes",), blocks=False, aim="light"),
+    case("keyhole", "double", constraints=("portals",), blocks=False, aim="light"),
     case("textured", "double", constraints=(), drift=True),
     *[
         case(scene, precision, coordinates=coordinates, chart=chart, rule=rule, drift=drift)

@@ -1,7 +1,7 @@
 """Coordinates of a path's first m directions, and the maps between them and directions (theory.md, 2 and 3).
 
 PROJECTION is eq. (3) for v_1, or the preprint's other projection; DEVIATION counts from the lobe's reference direction in
-a frame carried along the path; NODE and APERTURE + i are target charts, which aim at a point of a plane.
+a frame carried along the path; NODE and PORTAL + i are target charts, which aim at a point of a plane.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from .paths import Paths, surface
 from .scene import World
 from .vectors import Array, any_tangent, dot, magnitude, mirror, norm, turn_minimally, unit
 
-PROJECTION, DEVIATION, NODE, APERTURE = range(4)
+PROJECTION, DEVIATION, NODE, PORTAL = range(4)
 
 
 def carry_frame(s: Surface, v: Array, frame: Array, reference: Array) -> Array:
@@ -76,7 +76,7 @@ class Charts:
                 here = surface(world, paths, j - 1)
                 s = reference_direction(here, paths.v[:, j - 1])
                 frame = carry_frame(here, paths.v[:, j - 1], frame, s)
-            self.kinds[:, j], crossing, aperture = self.kind(j)
+            self.kinds[:, j], crossing, portal = self.kind(j)
             self.anchor[:, j], self.e1[:, j], self.e2[:, j] = s, frame, np.cross(s, frame)
             deviates = (self.kinds[:, j] == DEVIATION)[:, None]
             self.omega[:, j] = np.where(deviates, deviation(v, s, frame, settings.chart), 0)
@@ -84,9 +84,9 @@ class Charts:
             self.anchor[node, j], self.normal[node, j] = paths.x[node, j], paths.ng[node, j]
             self.e1[node, j] = any_tangent(paths.ng[node, j])
             self.e2[node, j] = np.cross(paths.ng[node, j], self.e1[node, j])
-            for k in np.unique(aperture[aperture >= 0]):
-                use = aperture == k
-                record = world.arrays["apertures"][k]
+            for k in np.unique(portal[portal >= 0]):
+                use = portal == k
+                record = world.arrays["portals"][k]
                 self.anchor[use, j], self.normal[use, j] = crossing[use], record["normal"]
                 self.e1[use, j] = record["axis"]
                 self.e2[use, j] = np.cross(record["normal"].astype(float), record["axis"].astype(float))
@@ -102,20 +102,20 @@ class Charts:
         return part
 
     def kind(self, j: int) -> tuple[Array, Array, Array]:
-        """(kind, crossing point, aperture or -1) of direction j, from theory.md, 2."""
+        """(kind, crossing point, portal or -1) of direction j, from theory.md, 2."""
         base, world = self.base, self.world
         n = len(base.light)
-        crossing, aperture = np.zeros((n, 3)), np.full(n, -1)
+        crossing, portal = np.zeros((n, 3)), np.full(n, -1)
         if self.settings.coordinates != "target":
-            return np.full(n, PROJECTION if j == 1 else DEVIATION), crossing, aperture
-        for k in range(len(world.arrays["apertures"]) - 1, -1, -1):
-            through, point = world.crossing(world.arrays["apertures"][k], base.x[:, j - 1], base.v[:, j], base.t[:, j])
-            aperture[through], crossing[through] = k, point[through]
-        kinds = np.where(aperture >= 0, APERTURE + aperture, NODE)
+            return np.full(n, PROJECTION if j == 1 else DEVIATION), crossing, portal
+        for k in range(len(world.arrays["portals"]) - 1, -1, -1):
+            through, point = world.crossing(world.arrays["portals"][k], base.x[:, j - 1], base.v[:, j], base.t[:, j])
+            portal[through], crossing[through] = k, point[through]
+        kinds = np.where(portal >= 0, PORTAL + portal, NODE)
         if j > 1:
             narrow = surface(world, base, j - 1).narrow
-            kinds, aperture = np.where(narrow, DEVIATION, kinds), np.where(narrow, -1, aperture)
-        return kinds, crossing, aperture
+            kinds, portal = np.where(narrow, DEVIATION, kinds), np.where(narrow, -1, portal)
+        return kinds, crossing, portal
 
     def direction(self, j: int, delta: Array, x: Array, s: Array, frame: Array) -> tuple[Array, Array]:
         """(direction j after moving by delta (n, 2), log dσ/dδ there) from the moved node x with s and frame at it.

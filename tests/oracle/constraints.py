@@ -9,7 +9,7 @@ import numpy as np
 
 from pylmc.constraints.plan import combine
 
-from .charts import APERTURE, DEVIATION, NODE, Charts
+from .charts import DEVIATION, NODE, PORTAL, Charts
 from .displaced import Moved
 from .lobes import DIFFUSE, TRANSMIT, Surface, reference_direction
 from .paths import Paths, surface
@@ -17,7 +17,7 @@ from .scene import World
 from .tangents import Tangents
 from .vectors import Array, any_tangent, dot, unit
 
-KINDS = {"lobe": "lobes", "hole": "holes", "object": "objects", "normal": "normals"}  # as the setting calls them
+KINDS = {"lobe": "lobes", "hole": "portals", "object": "objects", "normal": "normals"}  # as the setting calls them
 
 
 @dataclass
@@ -88,7 +88,7 @@ def constraint_rows(charts: Charts, tangents: Tangents) -> Rows:
 
 
 def _own_coordinates(rows: Rows, charts: Charts, j: int) -> None:
-    """What binds direction j's own two coordinates: bounds, an aperture that it has for a chart, its free lobe."""
+    """What binds direction j's own two coordinates: bounds, a portal that it has for a chart, its free lobe."""
     world, base = charts.world, charts.base
     kinds = charts.kinds[:, j]
     everyone = np.ones(len(kinds), bool)
@@ -98,8 +98,8 @@ def _own_coordinates(rows: Rows, charts: Charts, j: int) -> None:
         column = np.zeros((len(kinds), 2 * charts.m))
         column[:, 2 * j - 2 + k] = 1
         rows.add(("bound", j), column / (distance * bound)[:, None], everyone)
-        for index, aperture in enumerate(world.arrays["apertures"]):
-            rows.add(("hole", j, index, k), column / float(aperture["half_size"][k]), kinds == APERTURE + index)
+        for index, portal in enumerate(world.arrays["portals"]):
+            rows.add(("hole", j, index, k), column / float(portal["half_size"][k]), kinds == PORTAL + index)
     if j > 1:
         axes = lobe_axes(surface(world, base, j - 1), base.v[:, j - 1], charts.anchor[:, j])
         for axis, width in zip(axes[:2], axes[2].T, strict=True):
@@ -142,20 +142,20 @@ def _normal(rows: Rows, world: World, base: Paths, j: int, dn: Array) -> None:
 def _holes(rows: Rows, charts: Charts, tangents: Tangents, j: int) -> None:
     """Segment j stays in the holes that it passes (11), (20), save one that is its own chart's."""
     world, base = charts.world, charts.base
-    for index, aperture in enumerate(world.arrays["apertures"]):
-        through, _ = world.crossing(aperture, base.x[:, j - 1], base.v[:, j], base.t[:, j])
+    for index, portal in enumerate(world.arrays["portals"]):
+        through, _ = world.crossing(portal, base.x[:, j - 1], base.v[:, j], base.t[:, j])
         if j <= charts.m:
-            through = through & (charts.kinds[:, j] != APERTURE + index)
+            through = through & (charts.kinds[:, j] != PORTAL + index)
         if not through.any():
             continue
 
-        def meet(moved: Moved, aperture: Any = aperture) -> Array:
-            return world.crossing(aperture, moved.paths.x[:, j - 1], moved.paths.v[:, j], moved.paths.t[:, j])[1]
+        def meet(moved: Moved, portal: Any = portal) -> Array:
+            return world.crossing(portal, moved.paths.x[:, j - 1], moved.paths.v[:, j], moved.paths.t[:, j])[1]
 
         slope = tangents.of(meet)
-        normal, axis = aperture["normal"].astype(float), aperture["axis"].astype(float)
+        normal, axis = portal["normal"].astype(float), portal["axis"].astype(float)
         for k, e in enumerate((axis, np.cross(normal, axis))):
-            row = np.nan_to_num(np.einsum("i,nik->nk", e, slope)) / float(aperture["half_size"][k])
+            row = np.nan_to_num(np.einsum("i,nik->nk", e, slope)) / float(portal["half_size"][k])
             rows.add(("hole", j, index, k), row, through)
 
 

@@ -10,12 +10,12 @@ from .paths import HIT, Paths, surface
 from .scene import World
 from .vectors import Array, dot
 
-AIM_MARGIN, AIM_OFFSETS = 1.002, 1.25  # apertures are aimed at with this margin, and so many offsets of rays
+AIM_MARGIN, AIM_OFFSETS = 1.002, 1.25  # portals are aimed at with this margin, and so many offsets of rays
 AIM_FROM_LIGHT, AIM_FROM_NODE, AIM_FROM_CAMERA = 0.5, 0.25, 0.1  # the latter two where aiming is done everywhere
 
 
 def aimed_half_size(world: World, target: np.void) -> Array:
-    """The rectangle that is aimed at, a little larger than the aperture."""
+    """The rectangle that is aimed at, a little larger than the portal."""
     return AIM_MARGIN * target["half_size"].astype(float) + AIM_OFFSETS * world.ray_offset
 
 

@@ -113,13 +113,13 @@ class World:
                 best[k] = t[which[k]]
         return best, which
 
-    def crossing(self, aperture: Any, x: Array, v: Array, t: Array) -> tuple[Array, Array]:
-        """(does the segment pass this aperture, where its line meets the plane)."""
-        centre, normal, axis = (aperture[name].astype(float) for name in ("centre", "normal", "axis"))
+    def crossing(self, portal: Any, x: Array, v: Array, t: Array) -> tuple[Array, Array]:
+        """(does the segment pass this portal, where its line meets the plane)."""
+        centre, normal, axis = (portal[name].astype(float) for name in ("centre", "normal", "axis"))
         with np.errstate(all="ignore"):
             at = ((centre - x) @ normal) / (v @ normal)
             point = x + at[:, None] * v
             offset = point - centre
-            through = (at > 0) & (at < t) & (np.abs(offset @ axis) <= aperture["half_size"][0])
-            through &= np.abs(offset @ np.cross(normal, axis)) <= aperture["half_size"][1]
+            through = (at > 0) & (at < t) & (np.abs(offset @ axis) <= portal["half_size"][0])
+            through &= np.abs(offset @ np.cross(normal, axis)) <= portal["half_size"][1]
         return through, point

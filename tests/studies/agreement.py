@@ -21,9 +21,9 @@ from .probes import textured_scene
 ALPHA = 1e-4
 SCENES: dict[str, tuple[str, dict[str, float]]] = {
     "box": ("box", {}),
-    "caustic": ("caustic", {"roughness": 0.2}),
-    "glints": ("glints", {"size": 0.2, "roughness": 0.2}),
-    "keyhole": ("keyhole", {"hole": 0.4, "roughness": 0.2}),
+    "caustic": ("caustic", {"alpha": 0.2}),
+    "glints": ("glints", {"size": 0.2, "alpha": 0.2}),
+    "keyhole": ("keyhole", {"hole": 0.4, "alpha": 0.2}),
     "textured": ("", {}),
 }
 

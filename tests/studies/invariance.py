@@ -33,7 +33,7 @@ class Weighted(Sampler):
 
     weights = np.ones((GRID, GRID), np.float32)
 
-    def _weight_target(self, pilot: int) -> None:
+    def _weight_density(self, pilot: int) -> None:
         self.device_scene.set_evenness(self.weights)
 
 

@@ -19,7 +19,7 @@ ALPHA = 1e-4  # of a configuration, Šidák-corrected over its tests
 FAULTY = 1e-9  # a negative control's smallest p-value must be below
 FILM = 12  # pixels per side
 STEPS = 40
-LONG_STEPS = {"step": (0.2, 1.0)}  # of the chart's units: long enough to leave the start, and to notice curvature
+LONG_STEPS = {"step_length": (0.2, 1.0)}  # of the chart's units: long enough to leave the start, and to notice curvature
 
 
 def rectangle(*corner_and_edges: tuple[float, float, float]) -> tuple[np.ndarray, list[list[int]]]:
@@ -30,9 +30,9 @@ def rectangle(*corner_and_edges: tuple[float, float, float]) -> tuple[np.ndarray
 def both_endings(name: str) -> Scene:
     """A built-in scene, made easy enough for an exact start, with a point light and an emitter."""
     parameters = {
-        "keyhole": {"hole": 0.3, "roughness": 0.2},
-        "caustic": {"roughness": 0.25},
-        "glints": {"size": 0.3, "roughness": 0.2},
+        "keyhole": {"hole": 0.3, "alpha": 0.2},
+        "caustic": {"alpha": 0.25},
+        "glints": {"size": 0.3, "alpha": 0.2},
     }
     scene = load(name, **parameters[name]).with_size(FILM, FILM)
     panel = Shape(
@@ -47,7 +47,7 @@ def both_endings(name: str) -> Scene:
         emission=20.0,
     )
     lights = scene.lights or [PointLight((1.2, 2.2, 0.8), 6.0)]
-    return Scene(scene.camera, [*scene.shapes, panel], lights, scene.apertures)
+    return Scene(scene.camera, [*scene.shapes, panel], lights, scene.portals)
 
 
 def skewed() -> Scene:
@@ -155,7 +155,7 @@ OTHERS = [
     *(
         Case(
             f"without {kind}",
-            {"lobes": "keyhole", "holes": "keyhole", "objects": "glints", "normals": "caustic"}[kind],
+            {"lobes": "keyhole", "portals": "keyhole", "objects": "glints", "normals": "caustic"}[kind],
             {"constraints": tuple(k for k in CONSTRAINTS if k != kind)},
         )
         for kind in CONSTRAINTS

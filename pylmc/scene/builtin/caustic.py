@@ -13,14 +13,14 @@ from pylmc.scene import Camera, Diffuse, RoughDielectric, Scene, Shape
 from ._meshes import rectangle
 
 
-def build(roughness: float = 0.05, ior: float = 1.5, light: float = 0.3, width: int = 256, height: int = 256) -> Scene:
-    """``roughness``: GGX alpha of the glass; ``ior``: its index; ``light``: side of the panel (the ball's radius is 0.5)."""
+def build(alpha: float = 0.05, ior: float = 1.5, light: float = 0.3, width: int = 256, height: int = 256) -> Scene:
+    """``alpha``: GGX roughness of the glass; ``ior``: its index; ``light``: side of the panel (the ball's radius is 0.5)."""
     ball = trimesh.creation.icosphere(subdivisions=4, radius=0.5)
     ball.apply_translation([0, 0.7, 0])
     shapes = [
         Shape(rectangle((-2, 0, -2), (0, 0, 4), (4, 0, 0)), Diffuse((0.7, 0.65, 0.6)), name="floor"),
         Shape(rectangle((-2, 0, -2), (4, 0, 0), (0, 3, 0)), Diffuse((0.4, 0.5, 0.6)), name="back wall"),
-        Shape(ball, RoughDielectric(roughness, ior), name="glass ball", smooth=True),
+        Shape(ball, RoughDielectric(alpha, ior), name="glass ball", smooth=True),
         Shape(
             rectangle((-0.9 - light / 2, 2.6, 0.5 - light / 2), (light, 0, 0), (0, 0, light)),
             Diffuse(0.0),

@@ -13,8 +13,8 @@ from pylmc.scene import Camera, Diffuse, PointLight, RoughConductor, Scene, Shap
 from ._meshes import box, rectangle
 
 
-def build(size: float = 0.06, roughness: float = 0.01, width: int = 256, height: int = 256) -> Scene:
-    """``size``: side of the mirror, the walls' being 2; ``roughness``: its GGX alpha."""
+def build(size: float = 0.06, alpha: float = 0.01, width: int = 256, height: int = 256) -> Scene:
+    """``size``: side of the mirror, the walls' being 2; ``alpha``: its GGX roughness."""
     lamp, mirror, spot = np.array([0.3, 1.5, 0.9]), np.array([0.45, 0.7, 0.2]), np.array([-1.0, 1.0, 0.1])
     to_lamp, to_spot = (v / np.linalg.norm(v) for v in (lamp - mirror, spot - mirror))
     normal = (to_lamp + to_spot) / np.linalg.norm(to_lamp + to_spot)
@@ -26,9 +26,7 @@ def build(size: float = 0.06, roughness: float = 0.01, width: int = 256, height:
         Shape(rectangle((-1, 0, -1), (0, 0, 2), (2, 0, 0)), Diffuse(0.35), name="floor"),
         Shape(rectangle((-1, 0, -1), (2, 0, 0), (0, 2, 0)), Diffuse((0.25, 0.3, 0.4)), name="back wall"),
         Shape(rectangle((-1, 0, -1), (0, 2, 0), (0, 0, 2)), Diffuse((0.65, 0.55, 0.45)), name="left wall"),
-        Shape(
-            rectangle(tuple(corner), tuple(size * across), tuple(size * along)), RoughConductor(roughness, 0.95), name="mirror"
-        ),
+        Shape(rectangle(tuple(corner), tuple(size * across), tuple(size * along)), RoughConductor(alpha, 0.95), name="mirror"),
         # a card beside the lamp that keeps its own light off the left wall, where the spot falls
         Shape(box((0.1, 1.5, 0.9), (0.01, 0.36, 0.36)), Diffuse(0.02), name="shade"),
     ]

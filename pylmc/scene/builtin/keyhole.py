@@ -12,8 +12,8 @@ from pylmc.scene import Camera, Diffuse, PointLight, RoughConductor, Scene, Shap
 from ._meshes import box, rectangle, wall_with_hole
 
 
-def build(hole: float = 0.05, roughness: float = 0.02, width: int = 256, height: int = 256) -> Scene:
-    """``hole``: its side as a part of the wall's (0 to 0.9); ``roughness``: GGX alpha of the plate."""
+def build(hole: float = 0.05, alpha: float = 0.02, width: int = 256, height: int = 256) -> Scene:
+    """``hole``: its side as a part of the wall's (0 to 0.9); ``alpha``: GGX roughness of the plate."""
     white, red, blue = Diffuse(0.75), Diffuse((0.75, 0.25, 0.2)), Diffuse((0.25, 0.4, 0.75))
     shapes = [
         Shape(rectangle((-1, 0, 0), (0, 0, 1), (2.5, 0, 0)), white, name="floor"),
@@ -23,7 +23,7 @@ def build(hole: float = 0.05, roughness: float = 0.02, width: int = 256, height:
         Shape(rectangle((1.5, 0, 0), (0, 0, 1), (0, 1, 0)), white, name="far wall"),
         Shape(rectangle((-1, 0, 0), (0, 1, 0), (0, 0, 1)), white, name="lamp room's end wall"),
         Shape(wall_with_hole((0, 0, 0), (0, 1, 0), (0, 0, 1), hole), white, name="wall with the hole"),
-        Shape(rectangle((0.85, 0.06, 0.2), (0, 0, 0.6), (0.5, 0, 0)), RoughConductor(roughness, 0.9), name="plate"),
+        Shape(rectangle((0.85, 0.06, 0.2), (0, 0, 0.6), (0.5, 0, 0)), RoughConductor(alpha, 0.9), name="plate"),
         Shape(box((1.1, 0.03, 0.5), (0.4, 0.05, 0.5)), Diffuse(0.3), name="plinth"),
         Shape(box((0.4, 0.2, 0.78), (0.2, 0.4, 0.2), 25), Diffuse(0.6), name="pillar"),
     ]

@@ -227,7 +227,7 @@ def test_scenes_lists_every_built_in_scene(capsys: pytest.CaptureFixture[str]) -
     out = capsys.readouterr().out
     for name in ("box", "caustic", "glints", "keyhole"):
         assert any(line.split(":")[0] == name for line in out.splitlines())
-    assert "hole=" in out and "roughness=" in out
+    assert "hole=" in out and "alpha=" in out
 
 
 def test_devices_lists_the_default(capsys: pytest.CaptureFixture[str]) -> None:

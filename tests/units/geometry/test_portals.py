@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from pylmc.geometry.portals import find_apertures, fit_rectangle
+from pylmc.geometry.portals import find_portals, fit_rectangle
 from pylmc.scene import Diffuse, Shape
 
 ROTATION = trimesh.transformations.euler_matrix(0.7, -0.3, 1.9)[:3, :3]
@@ -59,32 +59,32 @@ def annulus(hole):
     return np.array(vertices, float), np.array(faces)
 
 
-def check(aperture, hole, rotation=None, shift=0.0):
+def check(portal, hole, rotation=None, shift=0.0):
     """The wide side of the 2:1 hole is the axis; errors relative to the hole."""
     rotation = np.eye(3) if rotation is None else rotation
     normal, axis = rotation @ (0, 0, 1), rotation @ (1, 0, 0)
-    assert abs(aperture.normal @ normal) == pytest.approx(1, abs=1e-9)
+    assert abs(portal.normal @ normal) == pytest.approx(1, abs=1e-9)
     blur = 1e-15 * (1 + np.linalg.norm(shift)) / hole  # what rounding the vertices does to a hole this small
-    assert abs(aperture.axis @ axis) == pytest.approx(1, abs=1e-9 + 10 * blur)
-    np.testing.assert_allclose(aperture.half_size, [hole / 2, hole / 4], rtol=1e-9 + 20 * blur)
+    assert abs(portal.axis @ axis) == pytest.approx(1, abs=1e-9 + 10 * blur)
+    np.testing.assert_allclose(portal.half_size, [hole / 2, hole / 4], rtol=1e-9 + 20 * blur)
     centre = rotation @ (CX, CY, 0) + shift
-    assert np.linalg.norm(aperture.centre - centre) < hole * (1e-9 + 20 * blur)
+    assert np.linalg.norm(portal.centre - centre) < hole * (1e-9 + 20 * blur)
 
 
 @pytest.mark.parametrize("hole", [0.3, 1e-2, 1e-4, 1e-6, 1e-8])
 @pytest.mark.parametrize("build", [eight, four, pinwheel, annulus])
 def test_one_hole_however_the_wall_is_cut(build, hole):
     vertices, faces = build(hole)
-    (aperture,) = find_apertures([shape(vertices, faces)])
-    check(aperture, hole)
+    (portal,) = find_portals([shape(vertices, faces)])
+    check(portal, hole)
 
 
 @pytest.mark.parametrize("hole", [0.3, 1e-4, 1e-8])
 @pytest.mark.parametrize("build", [eight, four, pinwheel, annulus])
 def test_any_orientation(build, hole):
     vertices, faces = build(hole)
-    (aperture,) = find_apertures([shape(vertices @ ROTATION.T + SHIFT, faces)])
-    check(aperture, hole, ROTATION, SHIFT)
+    (portal,) = find_portals([shape(vertices @ ROTATION.T + SHIFT, faces)])
+    check(portal, hole, ROTATION, SHIFT)
 
 
 @pytest.mark.parametrize("build", [eight, four, pinwheel, annulus])
@@ -93,26 +93,26 @@ def test_single_precision_vertices(build):
     hole = 1e-2
     vertices, faces = build(hole)
     rounded = (vertices @ ROTATION.T + SHIFT).astype(np.float32).astype(float)
-    (aperture,) = find_apertures([shape(rounded, faces)])
-    np.testing.assert_allclose(aperture.half_size, [hole / 2, hole / 4], rtol=1e-3)
+    (portal,) = find_portals([shape(rounded, faces)])
+    np.testing.assert_allclose(portal.half_size, [hole / 2, hole / 4], rtol=1e-3)
 
 
 def test_wall_of_several_shapes_and_mixed_windings():
     vertices, faces = four(0.1)
     faces[2:4] = faces[2:4, ::-1]
     parts = [shape(vertices, faces[2 * i : 2 * i + 2]) for i in range(4)]
-    check(*find_apertures(parts), 0.1)
-    check(*find_apertures([shape(vertices, faces)]), 0.1)
+    check(*find_portals(parts), 0.1)
+    check(*find_portals([shape(vertices, faces)]), 0.1)
 
 
 def test_two_sided_wall():
     vertices, faces = annulus(0.1)
-    check(*find_apertures([shape(vertices, np.vstack([faces, faces[:, ::-1]]))]), 0.1)
+    check(*find_portals([shape(vertices, np.vstack([faces, faces[:, ::-1]]))]), 0.1)
 
 
 def test_several_holes_also_touching_in_a_corner():
     wall = grid_wall(np.arange(8.0), np.arange(7.0), {(1, 1), (2, 2), (5, 1), (5, 2), (3, 4)})
-    holes = find_apertures([shape(*wall)])
+    holes = find_portals([shape(*wall)])
     sizes = sorted(tuple(hole.half_size) for hole in holes)
     expected = [(0.5, 0.5)] * 3 + [(1.0, 0.5)]
     np.testing.assert_allclose(sizes, expected)
@@ -126,7 +126,7 @@ def test_round_and_turned_holes():
     n = len(angle)
     k, after = np.arange(n), np.roll(np.arange(n), -1)
     faces = np.vstack([np.column_stack([k, after, n + k]), np.column_stack([after, n + after, n + k])])
-    (circle,) = find_apertures([shape(np.vstack([outer, outer / 30]), faces)])
+    (circle,) = find_portals([shape(np.vstack([outer, outer / 30]), faces)])
     np.testing.assert_allclose(circle.half_size, 0.1, rtol=0.01)
     spun = np.array([[2, 1], [-1, 2], [-2, -1], [1, -2]])
     centre, _, half = fit_rectangle(spun * 0.5 + 7)
@@ -140,7 +140,7 @@ def test_room_with_a_window_in_one_mesh():
     back = vertices[:4] - (0, 0, 1)
     sides = [f for k in range(4) for f in ((k, 8 + k, (k + 1) % 4), ((k + 1) % 4, 8 + k, 8 + (k + 1) % 4))]
     room = np.vstack([faces, sides, [(8, 9, 10), (8, 10, 11)]])
-    check(*find_apertures([shape(np.vstack([vertices, back]), room)]), 0.2)
+    check(*find_portals([shape(np.vstack([vertices, back]), room)]), 0.2)
 
 
 def tunnel():
@@ -162,25 +162,25 @@ def test_what_has_no_hole():
     box = Shape(trimesh.creation.box(), Diffuse(0.5))
     cylinder = Shape(trimesh.creation.annulus(0.5, 1.0, 1.0), Diffuse(0.5))
     for item in (plain, island, tiles, u_shape, box, cylinder, shape(*tunnel())):
-        assert find_apertures([item]) == []
-    assert find_apertures([plain, box, cylinder]) == []
-    assert find_apertures([]) == []
+        assert find_portals([item]) == []
+    assert find_portals([plain, box, cylinder]) == []
+    assert find_portals([]) == []
 
 
 def test_a_hole_plugged_by_another_shape_is_none():
     vertices, faces = eight(0.1)
     plug = shape(*quads([edges_of(0.1)]))
-    assert find_apertures([shape(vertices, faces), plug]) == []
+    assert find_portals([shape(vertices, faces), plug]) == []
 
 
 def test_curved_open_meshes_and_degenerate_triangles():
     sphere = trimesh.creation.icosphere(3)
     holed = sphere.submesh([np.arange(7, len(sphere.faces))], append=True)
-    assert find_apertures([Shape(holed, Diffuse(0.5))]) == []
+    assert find_portals([Shape(holed, Diffuse(0.5))]) == []
     vertices, faces = four(0.1)
     mending = [[0, 1, 1], [4, 4, 4]]
     line = np.vstack([vertices, [[CX - 0.05, 0.2, 0]]])  # on the left rectangle's edge: a triangle of no area
-    check(*find_apertures([shape(line, np.vstack([faces, mending, [[1, 16, 2]]]))]), 0.1)
+    check(*find_portals([shape(line, np.vstack([faces, mending, [[1, 16, 2]]]))]), 0.1)
 
 
 @pytest.mark.parametrize("kind", ["sphere", "soup", "tiles", "planks", "perforated"])
@@ -202,6 +202,6 @@ def test_large_meshes_are_searched_quickly(kind):
         holes = {(2 * i + 1, 2 * j + 1) for i in range(60) for j in range(60)}
         item, expected = shape(*grid_wall(np.arange(122.0), np.arange(122.0), holes)), 3600
     start = time.perf_counter()
-    found = find_apertures([item])
+    found = find_portals([item])
     print(f"{kind}: {len(item.mesh.faces)} faces, {len(found)} holes: {time.perf_counter() - start:.2f} s")
     assert len(found) == expected

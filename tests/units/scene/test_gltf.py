@@ -395,5 +395,5 @@ def test_scenes_by_others(name):
     assert all(shape.vertex_normals() is not None for shape in scene.shapes if shape.emission is None)
     print(
         f"{name}: {len(scene.shapes)} shapes, {sum(len(s.mesh.faces) for s in scene.shapes)} faces, "
-        f"{len(scene.apertures)} apertures"
+        f"{len(scene.portals)} portals"
     )

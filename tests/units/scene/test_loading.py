@@ -25,9 +25,9 @@ def test_built_in_scenes(name: str) -> None:
 
 
 def test_parameters_reach_the_scene() -> None:
-    (hole,) = pylmc.load("keyhole", hole=0.25).apertures
+    (hole,) = pylmc.load("keyhole", hole=0.25).portals
     np.testing.assert_allclose(hole.half_size, 0.125)
-    alphas = [getattr(shape.material, "alpha", None) for shape in pylmc.load("keyhole", roughness=0.007).shapes]
+    alphas = [getattr(shape.material, "alpha", None) for shape in pylmc.load("keyhole", alpha=0.007).shapes]
     assert 0.007 in alphas
 
 
