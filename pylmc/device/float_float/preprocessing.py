@@ -10,7 +10,7 @@ from typing import Any
 from ...errors import PylmcError
 
 # Files that hold no reals of their own, or float_float.cl, which is what reals are made of.
-UNTRANSLATED = ("pyopencl-", "float_float")
+UNTRANSLATED = ("pyopencl-", "number/float_float")
 _LINE = re.compile(r'#line (\d+) "([^"]*)"')
 _KERNEL = re.compile(r"__kernel\s+((?:__attribute__\s*\(\(.*?\)\)\s*)*)(?=void\s+(\w+))", re.DOTALL)
 
