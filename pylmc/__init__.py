@@ -6,52 +6,23 @@ one of these names is: importing it would put the module in the name's place.
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .device.raytracer import RayTracer
-    from .errors import PylmcError, PylmcWarning
-    from .inspection import info
-    from .rendering import Render, render
-    from .sampling.sampler import Sampler
-    from .sampling.states import States
-    from .scene import (
-        Camera,
-        Diffuse,
-        MetallicRoughness,
-        PointLight,
-        Portal,
-        RoughConductor,
-        RoughDielectric,
-        Scene,
-        Shape,
-        Texture,
-    )
-    from .scene.loading import load
+    from .device.raytracer import RayTracer as RayTracer
+    from .errors import PylmcError as PylmcError
+    from .errors import PylmcWarning as PylmcWarning
+    from .inspection import info as info
+    from .rendering import Render as Render
+    from .rendering import render as render
+    from .sampling.sampler import Sampler as Sampler
+    from .sampling.states import States as States
+    from .scene import *  # noqa: F403
+    from .scene.loading import load as load
 
     __version__: str
-
-__all__ = [
-    "Camera",
-    "Diffuse",
-    "MetallicRoughness",
-    "PointLight",
-    "Portal",
-    "PylmcError",
-    "PylmcWarning",
-    "RayTracer",
-    "Render",
-    "RoughConductor",
-    "RoughDielectric",
-    "Sampler",
-    "Scene",
-    "Shape",
-    "States",
-    "Texture",
-    "info",
-    "load",
-    "render",
-]
+    __all__: list[str]
 
 _HOME = {
     "errors": ("PylmcError", "PylmcWarning"),
@@ -61,18 +32,6 @@ _HOME = {
     "rendering": ("Render", "render"),
     "sampling.sampler": ("Sampler",),
     "sampling.states": ("States",),
-    "scene": (
-        "Portal",
-        "Camera",
-        "Diffuse",
-        "MetallicRoughness",
-        "PointLight",
-        "RoughConductor",
-        "RoughDielectric",
-        "Scene",
-        "Shape",
-        "Texture",
-    ),
 }
 _MODULE_OF = {name: module for module, names in _HOME.items() for name in names}
 
@@ -80,10 +39,12 @@ _MODULE_OF = {name: module for module, names in _HOME.items() for name in names}
 def __getattr__(name: str) -> Any:
     if name == "__version__":
         value: Any = _version()
+    elif name == "__all__":  # asked for by `from pylmc import *`
+        value = sorted([*_MODULE_OF, *_scene().NAMES])
     elif name in _MODULE_OF:
-        from importlib import import_module
-
         value = getattr(import_module(f".{_MODULE_OF[name]}", __name__), name)
+    elif name[:1].isupper() and name in _scene().NAMES:  # only classes have such names, so that no other loads the scene
+        value = getattr(_scene(), name)
     else:
         raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
     globals()[name] = value
@@ -91,7 +52,12 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__, "__version__"})
+    return sorted({*globals(), *__getattr__("__all__"), "__version__"})
+
+
+def _scene() -> Any:
+    """What describes a scene: it knows the materials and lights that it offers."""
+    return import_module(".scene", __name__)
 
 
 def _version() -> str:

@@ -24,6 +24,7 @@ from ..scene import (
     Diffuse,
     Material,
     MetallicRoughness,
+    PointLight,
     RoughConductor,
     RoughDielectric,
     Scene,
@@ -163,6 +164,7 @@ def _material_record(material: Material, textures: list[Texture]) -> np.ndarray:
     if isinstance(material, RoughDielectric):
         record["ior"] = material.ior
         return record
+    assert isinstance(material, Diffuse | MetallicRoughness)
     colour = material.reflectance if isinstance(material, Diffuse) else material.base_color
     if isinstance(colour, Texture):
         record["texture"] = next((i for i, t in enumerate(textures) if t is colour), len(textures))
@@ -213,7 +215,8 @@ def _lights(scene: Scene, areas: np.ndarray, shape_of: np.ndarray, centre: np.nd
     """Point lights and emitting triangles, with light scaled to a total of about one."""
     areas = areas.astype(np.float64)
     radiances = np.array([shape.emission or (0.0, 0.0, 0.0) for shape in scene.shapes])
-    intensities = np.array([light.intensity for light in scene.lights]).reshape(-1, 3)
+    lamps = [light for light in scene.lights if isinstance(light, PointLight)]
+    intensities = np.array([light.intensity for light in lamps]).reshape(-1, 3)
     point_power = intensities @ LUMINANCE / scale**2  # radiance at unit distance, in the scaled scene
     triangle_power = areas * (radiances @ LUMINANCE)[shape_of]
     total = float(point_power.sum() + triangle_power.sum())
@@ -221,9 +224,9 @@ def _lights(scene: Scene, areas: np.ndarray, shape_of: np.ndarray, centre: np.nd
         raise PylmcError("Scene: its lights have no power or no area; enlarge the emitting shapes or add a PointLight")
     exposure = 1 / power_of_two(total)
 
-    points = np.zeros(len(scene.lights), layout.POINT_LIGHT)
+    points = np.zeros(len(lamps), layout.POINT_LIGHT)
     if len(points):
-        points["position"] = (np.array([light.position for light in scene.lights]) - centre) / scale
+        points["position"] = (np.array([light.position for light in lamps]) - centre) / scale
         points["intensity"] = intensities / scale**2 * exposure
         points["cumulative"] = np.cumsum(_shares(point_power))
     emitting = np.flatnonzero(triangle_power > 0)

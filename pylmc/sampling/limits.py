@@ -13,7 +13,7 @@ import numpy as np
 
 from ..constraints.plan import alpha_of
 from ..device.precision import nominal
-from ..scene import Scene
+from ..scene import PointLight, Scene
 from .compiled import CompiledScene
 
 
@@ -87,6 +87,8 @@ def limits(scene: Scene, compiled: CompiledScene, precision: str) -> list[str]:
     check(f"the camera is very close to '{shape_below}'", height, "camera")
     check("the camera's view is very narrow, or along what it sees", _half_field(scene) * min(height, 1.0), "view")
     for i, light in enumerate(scene.lights):
+        if not isinstance(light, PointLight):
+            continue
         height, shape_below = _height(scene, light.position, scale)
         check(f"light {i} is very close to '{shape_below}'", height, "light")
     for i, shape in enumerate(scene.shapes):

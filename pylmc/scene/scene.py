@@ -8,7 +8,7 @@ from typing import Any
 
 from ..errors import PylmcError
 from .camera import Camera
-from .lights import PointLight
+from .lights import Light
 from .portal import Portal
 from .shape import Shape
 from .values import as_list
@@ -16,22 +16,22 @@ from .values import as_list
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Camera, shapes, point lights and portals. ``portals="auto"`` finds the holes in open planar pieces."""
+    """Camera, shapes, lights and portals. ``portals="auto"`` finds the holes in open planar pieces."""
 
     camera: Camera
     shapes: Sequence[Shape]
-    lights: Sequence[PointLight] = ()
+    lights: Sequence[Light] = ()
     portals: Any = "auto"
 
     def __post_init__(self) -> None:
         if not isinstance(self.camera, Camera):
             raise PylmcError("Scene: no camera; give Camera(origin, target), or --auto-camera for a file without one")
         object.__setattr__(self, "shapes", as_list(self.shapes, "Scene.shapes", Shape))
-        object.__setattr__(self, "lights", as_list(self.lights, "Scene.lights", PointLight))
+        object.__setattr__(self, "lights", as_list(self.lights, "Scene.lights", Light))
         if not self.shapes:
             raise PylmcError("Scene: no shapes; there is nothing for light to meet")
         if not self.lights and not any(shape.emission for shape in self.shapes):
-            raise PylmcError("Scene: no light; add a PointLight or give a shape emission (or --auto-light for a file)")
+            raise PylmcError(f"Scene: no light; add a {Light.names()}, or give a shape emission (or --auto-light for a file)")
         if isinstance(self.portals, str):
             if self.portals != "auto":
                 raise PylmcError(f"Scene.portals={self.portals!r}: use 'auto', or a list of Portal, or ()")

@@ -10,7 +10,6 @@ import trimesh
 
 from ..errors import PylmcError
 from .materials import Material
-from .texture import Texture
 from .values import MAX_COORDINATE, as_rgb
 
 
@@ -51,11 +50,7 @@ class Shape:
         wrong = mesh.faces[(mesh.faces < 0) | (mesh.faces >= len(mesh.vertices))]
         if len(wrong):
             raise PylmcError(f"shape '{label}': a face names vertex {int(wrong[0])}, but there are {len(mesh.vertices)}")
-        if not isinstance(self.material, Material):
-            raise PylmcError(
-                f"shape '{label}': unknown material {self.material!r}; use Diffuse, RoughConductor, "
-                "RoughDielectric or MetallicRoughness"
-            )
+        Material.check(self.material, f"shape '{label}': material")
         if self.emission is not None:
             emission = as_rgb(self.emission, f"shape '{label}': emission")
             if max(emission) > 0 and not mesh.area > 0:
@@ -66,9 +61,8 @@ class Shape:
 
     @property
     def textured(self) -> bool:
-        """Whether the material looks up a texture."""
-        colour = getattr(self.material, "reflectance", getattr(self.material, "base_color", None))
-        return isinstance(colour, Texture)
+        """Whether the material looks up textures."""
+        return bool(self.material.textures())
 
     @property
     def uv(self) -> np.ndarray | None:

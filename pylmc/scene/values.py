@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import PylmcError
+from .kinds import Kind
 
 RGB = tuple[float, float, float]
 BRIGHTEST = 1e36  # light in the scene's units; pictures are float32
@@ -31,7 +32,9 @@ def as_list(value: Any, what: str, kind: type) -> tuple[Any, ...]:
         raise PylmcError(f"{what} is a {type(value).__name__}; give a list of {kind.__name__}")
     items = tuple(value)
     for index, item in enumerate(items):
-        if not isinstance(item, kind):
+        if issubclass(kind, Kind):
+            kind.check(item, f"{what}[{index}]")
+        elif not isinstance(item, kind):
             raise PylmcError(f"{what}[{index}] is a {type(item).__name__}, not {kind.__name__}")
     return items
 

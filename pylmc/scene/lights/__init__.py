@@ -1,5 +1,4 @@
-"""Lights that are no surfaces: a file each."""
+"""Lights that are no surfaces: a file each, and a line here."""
 
-from .point import PointLight
-
-__all__ = ["PointLight"]
+from .light import Light as Light
+from .point import PointLight as PointLight

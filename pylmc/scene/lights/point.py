@@ -7,10 +7,11 @@ from typing import Any
 
 from ...errors import PylmcError
 from ..values import RGB, as_point, as_rgb
+from .light import Light
 
 
 @dataclass(frozen=True, eq=False)
-class PointLight:
+class PointLight(Light):
     """A point that sends ``intensity`` (RGB, power per steradian) in every direction from ``position``."""
 
     position: Any

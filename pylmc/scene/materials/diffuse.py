@@ -7,10 +7,11 @@ from typing import Any
 
 from ..texture import Texture
 from ..values import as_rgb
+from .material import Material
 
 
 @dataclass(frozen=True)
-class Diffuse:
+class Diffuse(Material):
     """Lambertian reflection on both sides: f = reflectance / pi. Its reference direction is the normal."""
 
     reflectance: Any = 0.5

@@ -8,10 +8,11 @@ from typing import Any
 from ...checks import check_number
 from ..texture import Texture
 from ..values import as_rgb
+from .material import Material
 
 
 @dataclass(frozen=True)
-class MetallicRoughness:
+class MetallicRoughness(Material):
     """glTF's material: a diffuse and a GGX lobe, blended by ``metallic``; alpha = roughness squared.
 
     diffuse = 0.96 base_color (1 - metallic); specular F0 = mix(0.04, base_color, metallic) with Schlick's Fresnel.

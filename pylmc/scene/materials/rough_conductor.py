@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..values import as_rgb
+from .material import Material
 from .microfacets import check_alpha, check_masking
 
 
 @dataclass(frozen=True)
-class RoughConductor:
+class RoughConductor(Material):
     """GGX reflection of roughness ``alpha`` with the Smith term, Fresnel factor ``reflectance``, on both sides.
 
     ``alpha`` is the microfacet slope width itself (not its square root). Its reference is the mirror direction.

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import PylmcError
+from .material import Material
 from .microfacets import check_alpha, check_masking
 
 
 @dataclass(frozen=True)
-class RoughDielectric:
+class RoughDielectric(Material):
     """GGX interface (Walter et al. 2007) between outside and a medium of relative index ``ior`` inside.
 
     Reflects and refracts; radiance carries the 1/eta^2 of the solid-angle compression, as seen from the camera.
