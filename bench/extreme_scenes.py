@@ -14,6 +14,7 @@ import numpy as np
 
 import pylmc
 from pylmc import Camera, Diffuse, PointLight, Portal, RoughConductor, Scene, Shape
+from pylmc.sampling.compiled import compile_scene
 from pylmc.scene.loading import scene_module
 
 SIDE = 16  # pixels of the film, where that is not what is driven
@@ -85,7 +86,7 @@ def moved(scene: Scene, scale: float, offset: Any, gain: float) -> Scene:
 
     c = scene.camera
     shapes = [Shape((at(s.mesh.vertices), s.mesh.faces), s.material, s.emission, s.name) for s in scene.shapes]
-    holes = [Portal(at(a.centre), a.normal, a.axis, np.array(a.half_size) * scale) for a in scene.portals]
+    holes = [Portal(at(a.centre), a.normal, a.axis, np.array(a.half_size) * scale) for a in compile_scene(scene).portals]
     lights = [PointLight(at(light.position), np.array(light.intensity) * gain) for light in scene.lights]
     camera = Camera(at(c.origin), at(c.target), c.up, c.fov, c.width, c.height)
     return Scene(camera, shapes, lights, holes)

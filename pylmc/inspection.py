@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from .constraints.plan import MAX_PORTALS, NARROW_ALPHA
-from .sampling.compiled import compile_scene
+from .sampling.compiled import CompiledScene, compile_scene
 from .sampling.limits import limits
 from .scene import Scene
 from .settings import Settings
@@ -37,6 +37,7 @@ def info(scene: Scene, precision: str = "single", **settings: Any) -> str:
         f"geometry      {len(scene.shapes)} shapes, {len(compiled.objects)} objects, {triangles} triangles; "
         f"radius {compiled.scale:.3g} to {2 * compiled.scale:.3g}",
         f"light         {len(scene.lights)} point light(s), {features['NUM_EMITTER_TRIANGLES']} emitting triangle(s)",
+        f"portals       {_portals(scene, compiled)}",
         f"paths         {low} to {chosen.max_depth} segments; ending: {', '.join(ENDING_WORDS[e] for e in compiled.endings)}",
         f"lobes         {', '.join(lobes)}",
         f"coordinates   {chosen.coordinates} charts; deviations by the {chosen.chart} chart",
@@ -70,7 +71,7 @@ def info(scene: Scene, precision: str = "single", **settings: Any) -> str:
         else "aimed at      nothing"
     )
     lines.append("left out")
-    lines += [f"  {reason}" for reason in _left_out(scene, plan, features, chosen)]
+    lines += [f"  {reason}" for reason in _left_out(compiled, chosen)]
     lines.append("compiled in   " + ", ".join(sorted(k for k, v in features.items() if k.startswith("HAS_") and v)))
     out = sorted(k for k, v in features.items() if k.startswith("HAS_") and not v)
     lines.append("compiled out  " + (", ".join(out) or "nothing"))
@@ -80,11 +81,20 @@ def info(scene: Scene, precision: str = "single", **settings: Any) -> str:
     return "\n".join(lines)
 
 
-def _left_out(scene: Scene, plan: Any, features: dict[str, Any], chosen: Settings) -> list[str]:
+def _portals(scene: Scene, compiled: CompiledScene) -> str:
+    """How many holes light passes, who says so, and where the first few are."""
+    origin = "found (inner boundary loops of open planar pieces)" if scene.portals == "auto" else "given"
+    places = ["at (" + ", ".join(f"{x:.3g}" for x in portal.centre) + ")" for portal in compiled.portals[:3]]
+    more = ", ..." if len(compiled.portals) > 3 else ""
+    return f"{len(compiled.portals)} {origin}{': ' if places else ''}{', '.join(places)}{more}"
+
+
+def _left_out(compiled: CompiledScene, chosen: Settings) -> list[str]:
+    plan, features = compiled.plan, compiled.features
     reasons = list(plan.left_out)
     if not features["HAS_NARROW"]:
         reasons.append("lobe constraints: no lobe is narrow")
-    if not plan.portals and not scene.portals:
+    if not compiled.portals:
         reasons.append("portal constraints: the scene has no portal (inner boundary loop of an open planar piece)")
     if not plan.small_objects:
         reasons.append("object constraints: no object is small")

@@ -56,8 +56,8 @@ def alpha_of(material: Any) -> float | None:
     return None
 
 
-def plan_constraints(scene: Scene, objects: Sequence[SceneObject], radius: float) -> ConstraintPlan:
-    """Decide which constraints ``scene`` has; ``radius`` is the scene's, in scene units."""
+def plan_constraints(scene: Scene, objects: Sequence[SceneObject], portals: Sequence[Portal], radius: float) -> ConstraintPlan:
+    """Decide which constraints ``scene`` has, given what was found in it; ``radius`` is its, in scene units."""
     left_out: list[str] = []
     alphas = {id(s.material): (s.name or f"shape {i}", alpha_of(s.material)) for i, s in enumerate(scene.shapes)}
     glossy = [(name, alpha) for name, alpha in alphas.values() if alpha is not None]
@@ -66,12 +66,12 @@ def plan_constraints(scene: Scene, objects: Sequence[SceneObject], radius: float
         f"lobe of '{name}': alpha={a:g} is wide, its directions take target charts" for name, a in glossy if a >= NARROW_ALPHA
     ]
 
-    portals = [a for a in scene.portals if min(a.half_size) <= WIDE_PORTAL * radius]
-    if len(portals) < len(scene.portals):
-        left_out.append(f"{len(scene.portals) - len(portals)} portal(s) wider than {WIDE_PORTAL:g} scene radii")
-    if len(portals) > MAX_PORTALS:
-        left_out.append(f"{len(portals) - MAX_PORTALS} portal(s) beyond the {MAX_PORTALS} smallest")
-        portals = sorted(portals, key=lambda a: a.half_size[0] * a.half_size[1])[:MAX_PORTALS]
+    narrow_portals = [a for a in portals if min(a.half_size) <= WIDE_PORTAL * radius]
+    if len(narrow_portals) < len(portals):
+        left_out.append(f"{len(portals) - len(narrow_portals)} portal(s) wider than {WIDE_PORTAL:g} scene radii")
+    if len(narrow_portals) > MAX_PORTALS:
+        left_out.append(f"{len(narrow_portals) - MAX_PORTALS} portal(s) beyond the {MAX_PORTALS} smallest")
+        narrow_portals = sorted(narrow_portals, key=lambda a: a.half_size[0] * a.half_size[1])[:MAX_PORTALS]
 
     emitting = {i for i, shape in enumerate(scene.shapes) if shape.emission}
     weights = np.zeros((len(objects), 3))
@@ -97,7 +97,7 @@ def plan_constraints(scene: Scene, objects: Sequence[SceneObject], radius: float
     return ConstraintPlan(
         narrow,
         len(glossy),
-        tuple(portals),
+        tuple(narrow_portals),
         weights,
         small,
         sum(item.shape in emitting for item in objects),

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..scene import Shape
-from .topology import DOUBLE, concatenate, label_components, weld
+from .mesh import Mesh
+from .topology import DOUBLE, label_components, weld
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,18 +27,17 @@ class SceneObject:
     bounding_radius: float
 
 
-def find_objects(shapes: Sequence[Shape]) -> tuple[list[SceneObject], np.ndarray]:
-    """The scene's objects, and each face's object index (F,) over all shapes' faces in order.
+def find_objects(mesh: Mesh) -> tuple[list[SceneObject], np.ndarray]:
+    """The scene's objects, and each face's object index (F,) in the order of the mesh.
 
     A piece is what faces connect by shared vertices, merged by position within one shape; shapes never join. Pieces
     are numbered in the order of their first faces. A piece's box is the tightest (least surface) of a few: by the
     area's principal axes, by the largest face, by the scene's axes.
     """
-    if not shapes:
+    vertices, faces = mesh.vertices, mesh.faces
+    if len(faces) == 0:
         return [], np.zeros(0, dtype=np.int64)
-    vertices, faces, owner = concatenate(shapes)
-    shape_of_vertex = np.repeat(np.arange(len(shapes)), [len(shape.mesh.vertices) for shape in shapes])
-    welded = weld(vertices, faces, DOUBLE, shape_of_vertex)[faces]
+    welded = weld(vertices, faces, DOUBLE, mesh.shape_of_vertex)[faces]
     joins = np.concatenate([welded[:, :2], welded[:, 1:]])
     labels = label_components(int(welded.max()) + 1, joins)[1][welded[:, 0]]
     _, first, of_face = np.unique(labels, return_index=True, return_inverse=True)
@@ -65,8 +63,9 @@ def find_objects(shapes: Sequence[Shape]) -> tuple[list[SceneObject], np.ndarray
     box_axes = np.take_along_axis(box_axes, rank[:, :, None], axis=1)
     box_axes[:, 2] = np.cross(box_axes[:, 0], box_axes[:, 1])
     sizes = np.diff(np.append(starts, len(faces)))
+    shape_of = mesh.shape_of_face[first]
     objects = [
-        SceneObject(centre[i] + origin[i], box_axes[i], half[i], int(owner[first[i]]), int(sizes[i]), float(radius[i]))
+        SceneObject(centre[i] + origin[i], box_axes[i], half[i], int(shape_of[i]), int(sizes[i]), float(radius[i]))
         for i in range(count)
     ]
     return objects, of_face.astype(np.int64)

@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from ..scene import Portal, Shape
 from .flat_pieces import Outline, outlines
-from .topology import DOUBLE, SINGLE, concatenate, roundoff
+from .mesh import Mesh
+from .topology import DOUBLE, SINGLE, roundoff
 
 FLATNESS = 1e-5  # a piece is flat if its outline leaves its plane by less than this part of its size
 NARROWEST = 1e-6  # a loop narrower than this part of its length is a crack between triangles, not a hole
 
 
-def find_portals(shapes: Sequence[Shape]) -> list[Portal]:
+class Hole(NamedTuple):
+    """A rectangle: ``centre``, unit ``normal``, unit in-plane ``axis``, ``half_size`` along axis and normal × axis."""
+
+    centre: np.ndarray
+    normal: np.ndarray
+    axis: np.ndarray
+    half_size: tuple[float, float]
+
+
+def find_portals(mesh: Mesh) -> list[Hole]:
     """The holes of all flat open pieces, each fitted with the rectangle of least area around its loop.
 
     A piece is what coplanar triangles form that share edges or parts of edges (also across shapes: a wall may be four
@@ -22,9 +31,9 @@ def find_portals(shapes: Sequence[Shape]) -> list[Portal]:
     solid wall, whose rim carries on as a tunnel, is no such loop and is left to the caller; so is a hole in a curved
     surface. Positions are taken as exact to float64, and, where that finds no hole, to float32.
     """
-    if not shapes:
+    vertices, faces, owner = mesh.vertices, mesh.faces, mesh.shape_of_face
+    if len(faces) == 0:
         return []
-    vertices, faces, owner = concatenate(shapes)
     middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
     if not np.all(np.isfinite(middle)):  # beyond float64's range: no hole could be told from rounding
         return []
@@ -35,8 +44,8 @@ def find_portals(shapes: Sequence[Shape]) -> list[Portal]:
     return []
 
 
-def _holes(outline: Outline, precision: float) -> list[Portal]:
-    """The portals in one piece."""
+def _holes(outline: Outline, precision: float) -> list[Hole]:
+    """The holes in one piece."""
     away = (outline.points - outline.points[0]) @ outline.normal
     size = np.linalg.norm(np.ptp(outline.points, axis=0))
     allowed = roundoff(outline.points, precision)
@@ -59,11 +68,11 @@ def _holes(outline: Outline, precision: float) -> list[Portal]:
         if half[1] <= NARROWEST * half[0] or half[1] <= allowed:
             continue
         found.append(
-            Portal(
+            Hole(
                 origin + centre[0] * first + centre[1] * second,
                 outline.normal,
                 axis[0] * first + axis[1] * second,
-                (half[0], half[1]),
+                (float(half[0]), float(half[1])),
             )
         )
     return found

@@ -2,29 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from ..scene import Shape
-
 DOUBLE = float(np.finfo(np.float64).eps)
 SINGLE = float(np.finfo(np.float32).eps)
-
-
-def concatenate(shapes: Sequence[Shape]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """All shapes as one mesh: vertices (V, 3) float64, faces (F, 3), and each face's shape index (F,)."""
-    counts = [len(shape.mesh.vertices) for shape in shapes]
-    offsets = np.cumsum([0, *counts[:-1]])
-    vertices = np.concatenate([np.asarray(shape.mesh.vertices, dtype=np.float64) for shape in shapes])
-    faces = np.concatenate(
-        [np.asarray(s.mesh.faces, dtype=np.int64) + offset for s, offset in zip(shapes, offsets, strict=True)]
-    )
-    owner = np.repeat(np.arange(len(shapes)), [len(shape.mesh.faces) for shape in shapes])
-    return vertices, faces, owner
 
 
 def roundoff(vertices: np.ndarray, precision: float) -> float:

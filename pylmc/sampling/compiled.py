@@ -18,13 +18,16 @@ from ..device import layout
 from ..device.precision import nominal, real_fields
 from ..errors import PylmcError
 from ..geometry import bvh
+from ..geometry.mesh import Mesh, Part, join
 from ..geometry.objects import SceneObject, find_objects
+from ..geometry.portals import find_portals
 from ..picture.statistics import LUMINANCE
 from ..scene import (
     Diffuse,
     Material,
     MetallicRoughness,
     PointLight,
+    Portal,
     RoughConductor,
     RoughDielectric,
     Scene,
@@ -36,16 +39,20 @@ from .evenness import GRID
 
 @dataclass(frozen=True, eq=False)
 class CompiledScene:
-    """Arrays by name (see SCENE_PARAMETERS in cl_kernels/surface/scene.cl), kernel constants, and what undoes the scaling.
+    """What is found in a scene, its arrays for the device, kernel constants, and what undoes the scaling.
 
-    ``radiance_scale``: multiply a rendered radiance by this to return to the scene's units. ``plan`` lists the
-    constraints; ``features`` the kernel constants; ``endings`` which of connect (0) and hit (1) the scene has.
+    ``mesh``, ``portals`` (given or found) and ``objects`` are in scene units; ``plan`` lists the constraints that they make.
+    ``arrays`` by name (see SCENE_PARAMETERS in cl_kernels/surface/scene.cl) are scaled; ``features`` are the kernel
+    constants; ``endings`` which of connect (0) and hit (1) the scene has. ``radiance_scale``: multiply a rendered radiance
+    by this to return to the scene's units.
     """
 
+    mesh: Mesh
+    portals: tuple[Portal, ...]
+    objects: tuple[SceneObject, ...]
+    plan: ConstraintPlan
     arrays: dict[str, np.ndarray]
     features: dict[str, Any]
-    plan: ConstraintPlan
-    objects: tuple[SceneObject, ...]
     endings: tuple[int, ...]
     centre: np.ndarray
     scale: float
@@ -67,36 +74,33 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
     Raises PylmcError for what the number type or the kernels cannot hold.
     """
     kind = nominal(precision)
-    vertices = np.concatenate([np.asarray(shape.mesh.vertices, dtype=np.float64) for shape in scene.shapes])
-    counts = [len(shape.mesh.vertices) for shape in scene.shapes]
-    starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
-    faces = np.concatenate([np.asarray(shape.mesh.faces) + start for shape, start in zip(scene.shapes, starts, strict=True)])
-    shape_of = np.repeat(np.arange(len(scene.shapes)), [len(shape.mesh.faces) for shape in scene.shapes])
+    mesh = join([_part(shape) for shape in scene.shapes])
+    faces, shape_of = mesh.faces, mesh.shape_of_face
 
-    used = vertices[np.unique(faces)]
+    used = mesh.vertices[np.unique(faces)]
     low, high = used.min(axis=0), used.max(axis=0)
     centre, radius = (low + high) / 2, float(np.linalg.norm(high - low) / 2)
     if not radius > 0 or not np.isfinite(radius):
         raise PylmcError("Scene: all vertices coincide; there is nothing to see")
     scale = power_of_two(radius)
-    vertices = (vertices - centre) / scale
+    vertices = (mesh.vertices - centre) / scale
 
-    objects, object_of = find_objects(scene.shapes)
-    plan = plan_constraints(scene, objects, radius)
+    objects, object_of = find_objects(mesh)
+    portals = _all_portals(scene, mesh)
+    plan = plan_constraints(scene, objects, portals, radius)
     corners = vertices[faces]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     doubled = np.linalg.norm(cross, axis=1)
     geometric = np.where(doubled[:, None] > 0, cross / np.where(doubled > 0, doubled, 1)[:, None], [0.0, 0.0, 1.0])
 
     materials, material_of_shape, textures = _materials(scene.shapes)
-    smooth = np.array([shape.vertex_normals() is not None for shape in scene.shapes])
     lights = _lights(scene, doubled / 2, shape_of, centre, scale)
     triangles = np.zeros(len(faces), layout.TRIANGLE_INFO)
     triangles["normal"] = geometric
     triangles["material"] = material_of_shape[shape_of]
     triangles["object"] = object_of
     triangles["emitter"] = lights["emitter_of_shape"][shape_of]
-    triangles["smooth"] = smooth[shape_of]
+    triangles["smooth"] = mesh.smooth[shape_of]
 
     tree = bvh.build(vertices, faces.astype(np.int32), dtype=kind.trace_dtype)
     arrays = {
@@ -104,8 +108,8 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
         "leaves": tree.leaves,
         "vertices": vertices,
         "faces": faces.astype(np.int32),
-        "normals": _per_vertex(scene.shapes, counts, 3, Shape.vertex_normals),
-        "uvs": _per_vertex(scene.shapes, counts, 2, lambda shape: shape.uv if shape.textured else None),
+        "normals": mesh.normals,
+        "uvs": mesh.uvs,
         "triangles": triangles,
         "materials": materials,
         **textures,
@@ -134,21 +138,24 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
         "HAS_GLOSSY": bool(glossy),
         "HAS_TRANSMIT": any(isinstance(kind, RoughDielectric) for kind in kinds),
         "HAS_NARROW": any(alpha < NARROW_ALPHA for alpha in glossy),
-        "HAS_SMOOTH": bool(smooth.any()),
+        "HAS_SMOOTH": bool(mesh.smooth.any()),
         "HAS_TEXTURES": len(textures["textures"]) > 0,
         "HAS_SMALL_OBJECTS": plan.small_objects > 0,
     }
     endings = tuple(e for e, has in enumerate((features["HAS_POINTS"], features["HAS_EMITTERS"])) if has)
-    return CompiledScene(arrays, features, plan, tuple(objects), endings, centre, scale, lights["radiance_scale"])
+    return CompiledScene(
+        mesh, portals, tuple(objects), plan, arrays, features, endings, centre, scale, lights["radiance_scale"]
+    )
 
 
-def _per_vertex(shapes: Sequence[Shape], counts: list[int], width: int, get: Any) -> np.ndarray:
-    """A vertex attribute over all shapes, zero where a shape has none; empty where none has it."""
-    values = [get(shape) for shape in shapes]
-    if all(value is None for value in values):
-        return np.zeros((0, width))
-    filled = [np.zeros((n, width)) if value is None else value for value, n in zip(values, counts, strict=True)]
-    return np.ascontiguousarray(np.concatenate(filled), dtype=np.float64)
+def _part(shape: Shape) -> Part:
+    mesh = shape.mesh
+    return Part(mesh.vertices, mesh.faces, shape.vertex_normals(), shape.uv if shape.textured else None)
+
+
+def _all_portals(scene: Scene, mesh: Mesh) -> tuple[Portal, ...]:
+    """The portals that the scene names, or else the holes in its walls."""
+    return tuple(Portal(*hole) for hole in find_portals(mesh)) if scene.portals == "auto" else scene.portals
 
 
 def _material_record(material: Material, textures: list[Texture]) -> np.ndarray:

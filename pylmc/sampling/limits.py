@@ -83,13 +83,13 @@ def limits(scene: Scene, compiled: CompiledScene, precision: str) -> list[str]:
             shape = scene.shapes[item.shape]
             what = f"'{shape.name or f'shape {item.shape}'}' at {_place(item.centre)} is very small"
             check(what, 1 / (float(weights.max()) * scale), "emitters" if shape.emission else "objects")
-    height, shape_below = _height(scene, scene.camera.origin, scale)
+    height, shape_below = _height(scene, compiled, scene.camera.origin)
     check(f"the camera is very close to '{shape_below}'", height, "camera")
     check("the camera's view is very narrow, or along what it sees", _half_field(scene) * min(height, 1.0), "view")
     for i, light in enumerate(scene.lights):
         if not isinstance(light, PointLight):
             continue
-        height, shape_below = _height(scene, light.position, scale)
+        height, shape_below = _height(scene, compiled, light.position)
         check(f"light {i} is very close to '{shape_below}'", height, "light")
     for i, shape in enumerate(scene.shapes):
         alpha = alpha_of(shape.material)
@@ -113,18 +113,19 @@ def _shortened(found: list[str], most: int = 8) -> list[str]:
     return found if len(found) <= most else [*found[:most], f"and {len(found) - most} more of this kind"]
 
 
-def _height(scene: Scene, point: np.ndarray, scale: float) -> tuple[float, str]:
+def _height(scene: Scene, compiled: CompiledScene, point: np.ndarray) -> tuple[float, str]:
     """The least height (scaled) of ``point`` above a triangle that lies straight below it, and the name of its shape."""
-    least, name = np.inf, ""
-    for i, shape in enumerate(scene.shapes):
-        corners = (np.asarray(shape.mesh.vertices, np.float64)[np.asarray(shape.mesh.faces)] - point) / scale
-        a, e1, e2 = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        normal = np.cross(e1, e2)
-        size2 = np.sum(normal**2, axis=1)
-        sound = size2 > 0
-        u, v = (np.sum(np.cross(x, y) * normal, axis=1)[sound] / size2[sound] for x, y in ((-a, e2), (e1, -a)))
-        height = np.abs(np.sum(a * normal, axis=1)[sound]) / np.sqrt(size2[sound])
-        height = height[(u >= 0) & (v >= 0) & (u + v <= 1)]
-        if len(height) and height.min() < least:
-            least, name = float(height.min()), shape.name or f"shape {i}"
-    return least, name
+    mesh = compiled.mesh
+    corners = (mesh.vertices[mesh.faces] - point) / compiled.scale
+    a, e1, e2 = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    normal = np.cross(e1, e2)
+    size2 = np.sum(normal**2, axis=1)
+    sound = size2 > 0
+    u, v = (np.sum(np.cross(x, y) * normal, axis=1)[sound] / size2[sound] for x, y in ((-a, e2), (e1, -a)))
+    height = np.abs(np.sum(a * normal, axis=1)[sound]) / np.sqrt(size2[sound])
+    below = (u >= 0) & (v >= 0) & (u + v <= 1)
+    if not below.any():
+        return np.inf, ""
+    nearest = int(np.argmin(np.where(below, height, np.inf)))
+    index = int(mesh.shape_of_face[sound][nearest])
+    return float(height[nearest]), scene.shapes[index].name or f"shape {index}"

@@ -16,7 +16,7 @@ from .values import as_list
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Camera, shapes, lights and portals. ``portals="auto"`` finds the holes in open planar pieces."""
+    """Camera, shapes, lights and portals. ``portals="auto"`` has the holes in open planar pieces found on use."""
 
     camera: Camera
     shapes: Sequence[Shape]
@@ -35,9 +35,6 @@ class Scene:
         if isinstance(self.portals, str):
             if self.portals != "auto":
                 raise PylmcError(f"Scene.portals={self.portals!r}: use 'auto', or a list of Portal, or ()")
-            from ..geometry.portals import find_portals
-
-            object.__setattr__(self, "portals", tuple(find_portals(self.shapes)))
         else:
             object.__setattr__(self, "portals", as_list(self.portals, "Scene.portals", Portal))
 

@@ -6,14 +6,19 @@ import numpy as np
 import pytest
 import trimesh
 
-from pylmc.geometry.objects import find_objects
-from pylmc.scene import Diffuse, Shape
+from pylmc.geometry import objects as geometry
+from pylmc.geometry.mesh import Part, join
 
 ROTATION = trimesh.transformations.euler_matrix(0.4, -1.1, 2.3)[:3, :3]
 
 
 def shape(mesh):
-    return Shape(mesh, Diffuse(0.5))
+    vertices, faces = mesh if isinstance(mesh, tuple) else (mesh.vertices, mesh.faces)
+    return Part(np.asarray(vertices, float), np.asarray(faces))
+
+
+def find_objects(parts):
+    return geometry.find_objects(join(parts))
 
 
 def box(size, rotation=ROTATION, centre=(0, 0, 0)):
@@ -81,7 +86,7 @@ def test_sphere_and_zero_area_pieces():
     assert covers(item, sphere.vertices)
     line = shape(([[0, 0, 0], [1, 1, 0], [2, 2, 0]], [[0, 1, 2]]))
     (item,), _ = find_objects([line])
-    assert np.all(np.isfinite(item.axes)) and covers(item, np.asarray(line.mesh.vertices))
+    assert np.all(np.isfinite(item.axes)) and covers(item, line.vertices)
     assert find_objects([])[0] == []
 
 

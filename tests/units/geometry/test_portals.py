@@ -6,15 +6,24 @@ import numpy as np
 import pytest
 import trimesh
 
-from pylmc.geometry.portals import find_portals, fit_rectangle
-from pylmc.scene import Diffuse, Shape
+from pylmc.geometry import portals as geometry
+from pylmc.geometry.mesh import Part, join
+from pylmc.geometry.portals import fit_rectangle
 
 ROTATION = trimesh.transformations.euler_matrix(0.7, -0.3, 1.9)[:3, :3]
 SHIFT = np.array([3.0, -2.0, 5.0])
 
 
 def shape(vertices, faces):
-    return Shape((np.asarray(vertices, float), faces), Diffuse(0.5))
+    return Part(np.asarray(vertices, float), np.asarray(faces))
+
+
+def find_portals(parts):
+    return geometry.find_portals(join(parts))
+
+
+def solid(mesh):
+    return shape(mesh.vertices, mesh.faces)
 
 
 def quads(rectangles):
@@ -159,8 +168,8 @@ def test_what_has_no_hole():
     island = shape(*quads([(0, 0, 1, 1), (0.2, 0.2, 0.4, 0.4)]))  # lies on the other, touching nothing
     tiles = shape(*grid_wall(np.arange(5.0), np.arange(5.0), set()))
     u_shape = shape(*grid_wall(np.arange(4.0), np.arange(4.0), {(1, 1), (1, 2)}))
-    box = Shape(trimesh.creation.box(), Diffuse(0.5))
-    cylinder = Shape(trimesh.creation.annulus(0.5, 1.0, 1.0), Diffuse(0.5))
+    box = solid(trimesh.creation.box())
+    cylinder = solid(trimesh.creation.annulus(0.5, 1.0, 1.0))
     for item in (plain, island, tiles, u_shape, box, cylinder, shape(*tunnel())):
         assert find_portals([item]) == []
     assert find_portals([plain, box, cylinder]) == []
@@ -176,7 +185,7 @@ def test_a_hole_plugged_by_another_shape_is_none():
 def test_curved_open_meshes_and_degenerate_triangles():
     sphere = trimesh.creation.icosphere(3)
     holed = sphere.submesh([np.arange(7, len(sphere.faces))], append=True)
-    assert find_portals([Shape(holed, Diffuse(0.5))]) == []
+    assert find_portals([solid(holed)]) == []
     vertices, faces = four(0.1)
     mending = [[0, 1, 1], [4, 4, 4]]
     line = np.vstack([vertices, [[CX - 0.05, 0.2, 0]]])  # on the left rectangle's edge: a triangle of no area
@@ -203,5 +212,5 @@ def test_large_meshes_are_searched_quickly(kind):
         item, expected = shape(*grid_wall(np.arange(122.0), np.arange(122.0), holes)), 3600
     start = time.perf_counter()
     found = find_portals([item])
-    print(f"{kind}: {len(item.mesh.faces)} faces, {len(found)} holes: {time.perf_counter() - start:.2f} s")
+    print(f"{kind}: {len(item.faces)} faces, {len(found)} holes: {time.perf_counter() - start:.2f} s")
     assert len(found) == expected

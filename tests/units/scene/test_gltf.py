@@ -393,7 +393,4 @@ def test_scenes_by_others(name):
     textured = [shape for shape in scene.shapes if shape.textured]
     assert textured and all(shape.uv is not None for shape in textured)
     assert all(shape.vertex_normals() is not None for shape in scene.shapes if shape.emission is None)
-    print(
-        f"{name}: {len(scene.shapes)} shapes, {sum(len(s.mesh.faces) for s in scene.shapes)} faces, "
-        f"{len(scene.portals)} portals"
-    )
+    print(f"{name}: {len(scene.shapes)} shapes, {sum(len(s.mesh.faces) for s in scene.shapes)} faces")

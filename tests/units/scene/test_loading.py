@@ -8,6 +8,7 @@ import trimesh
 
 import pylmc
 from pylmc import PylmcError
+from pylmc.sampling.compiled import compile_scene
 from pylmc.scene.loading import BUILT_IN, parameters
 
 
@@ -25,7 +26,7 @@ def test_built_in_scenes(name: str) -> None:
 
 
 def test_parameters_reach_the_scene() -> None:
-    (hole,) = pylmc.load("keyhole", hole=0.25).portals
+    (hole,) = compile_scene(pylmc.load("keyhole", hole=0.25)).portals
     np.testing.assert_allclose(hole.half_size, 0.125)
     alphas = [getattr(shape.material, "alpha", None) for shape in pylmc.load("keyhole", alpha=0.007).shapes]
     assert 0.007 in alphas
