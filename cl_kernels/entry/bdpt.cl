@@ -16,8 +16,8 @@ PATH_KERNEL void render_independent(SCENE_PARAMETERS, uint seed, ulong first_ste
         Rng rng = rng_open(seed, index, first_step + step, PURPOSE_BDPT);
         Path path;
         counters[index].proposed[0]++;
-        if (!sample_path(&scene, group.length, group.ending, &rng, &path)) continue;
-        Radiance radiance = integrand(&scene, &path);
+        Radiance radiance;
+        if (!sample_path(&scene, group.length, group.ending, &rng, &path, &radiance)) continue;
         real weight = exp(radiance.log_i - log_independent_density(&scene, &path));
         if (!isfinite(weight)) {
             counters[index].not_finite++;

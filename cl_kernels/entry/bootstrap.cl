@@ -8,8 +8,7 @@
 real log_path_weight(Scene *scene, uint seed, uint group, uint number, int length, int ending, Path *path, Radiance *radiance,
                      real *log_p) {
     Rng rng = rng_open(seed, number, group, PURPOSE_BOOTSTRAP);
-    if (!sample_path(scene, length, ending, &rng, path)) return LOG_ZERO;
-    *radiance = integrand(scene, path);
+    if (!sample_path(scene, length, ending, &rng, path, radiance)) return LOG_ZERO;
     *log_p = log_independent_density(scene, path);
     real weight = radiance->log_i - *log_p;
     return isfinite(weight) ? weight : NAN;

@@ -37,8 +37,7 @@ void markov_step(Scene *scene, const Path *x, real log_i, real *log_p, float p_l
     step->drawn = NAN;
     step->radiance.log_i = LOG_ZERO;
     if (rng_uniform(rng) < p_large || !(log_i > LOG_ZERO)) {
-        if (sample_path(scene, x->length, x->ending, rng, y)) {
-            step->radiance = integrand(scene, y);
+        if (sample_path(scene, x->length, x->ending, rng, y, &step->radiance)) {
             if (!is_known(*log_p)) *log_p = log_independent_density(scene, x);
             step->log_forward = log_independent_density(scene, y);
             step->log_reverse = *log_p;

@@ -66,8 +66,8 @@ void settle_lobes(const Scene *scene, Path *path) {
 #endif
 }
 
-// Draw a path of the given length and ending; false where the draw came to nothing (its weight is zero).
-bool sample_path(Scene *scene, int length, int ending, Rng *rng, Path *path) {
+// Draw a path of the given length and ending, and its integrand; false where the draw came to nothing (its weight is zero).
+bool sample_path(Scene *scene, int length, int ending, Rng *rng, Path *path, Radiance *radiance) {
     path->length = length;
     path->ending = ending;
     path->light = 0;
@@ -83,11 +83,12 @@ bool sample_path(Scene *scene, int length, int ending, Rng *rng, Path *path) {
         far->v = (far->x - origin) / far->t;
         if (k == 0 && !(camera_importance(scene, far->v) > 0.0)) return false;
         settle_lobes(scene, path);
-        if (integrand(scene, path).log_i == LOG_ZERO) return false;
-        return visible(scene, origin, normal, far->x, far->ng);
+        *radiance = integrand(scene, path);
+        return radiance->log_i != LOG_ZERO && visible(scene, origin, normal, far->x, far->ng);
     }
     settle_lobes(scene, path);
-    return integrand(scene, path).log_i != LOG_ZERO;
+    *radiance = integrand(scene, path);
+    return radiance->log_i != LOG_ZERO;
 }
 
 // log p_ind of any path.
