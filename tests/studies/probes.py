@@ -59,7 +59,7 @@ def textured_scene() -> Scene:
     wall = (np.array([[-1, 0, -1], [1, 0, -1], [1, 1.5, -1], [-1, 1.5, -1]], float), np.array([[0, 1, 2], [0, 2, 3]]))
     panel = (np.array([[-0.4, 1.4, -0.2], [0.2, 1.4, -0.2], [0.2, 1.4, 0.4], [-0.4, 1.4, 0.4]]), wall[1])
     shapes = [
-        Shape(floor, MetallicRoughness(Texture(pixels), metallic=0.4, alpha=0.6), name="floor"),
+        Shape(floor, MetallicRoughness(Texture(pixels), metallic=0.4, roughness=0.6), name="floor"),
         Shape(wall, Diffuse((0.5, 0.6, 0.7)), name="wall"),
         Shape(panel, Diffuse(0.2), emission=4.0, name="panel"),
     ]
