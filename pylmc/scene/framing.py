@@ -7,12 +7,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..errors import PylmcError
 from . import Camera, Shape
 from .materials import Diffuse
 
 AZIMUTH, ELEVATION = math.radians(35.0), math.radians(22.0)  # three-quarter view, from +z towards +x
 FOV = 35.0  # degrees, vertical
 MARGIN = 1.08
+MOST_HALVINGS = 60  # of a light that the camera sees; what is seen even then is where the camera is
 KEY_SHARE = 0.65  # of the irradiance at the scene's middle; the fill light gives the rest
 
 
@@ -73,9 +75,11 @@ def _quad_in_room(
     centre = camera.origin + 0.6 * reach * direction
     target = middle if np.linalg.norm(middle - centre) > 0.1 * reach else camera.target
     half = 0.3 * reach
-    while not _unseen(camera, _quad(centre, target, half)):
+    for _ in range(MOST_HALVINGS):
+        if _unseen(camera, _quad(centre, target, half)):
+            return _quad(centre, target, half)
         half /= 2
-    return _quad(centre, target, half)
+    raise PylmcError("Camera: there is no room behind it for a light, as it stands on a surface; move it, or add a light")
 
 
 def _quad(centre: np.ndarray, target: np.ndarray, half: float) -> np.ndarray:

@@ -76,8 +76,7 @@ class _Importer:
         self.materials = GltfMaterials(data)
 
     def scene(self, auto_camera: bool, auto_light: bool, width: int, height: int) -> Scene:
-        for node in self._roots():
-            self._visit(node, np.eye(4), ())
+        self._visit_all(self._roots())
         if not self.shapes:
             raise PylmcError("no triangles in the scene; export the meshes with it")
         if self.cameras:
@@ -100,11 +99,23 @@ class _Importer:
         children = {child for node in self.data.items("nodes") for child in node.get("children", [])}
         return [index for index in range(len(self.data.items("nodes"))) if index not in children]
 
-    def _visit(self, index: Any, parent: np.ndarray, above: tuple[int, ...]) -> None:
-        """Everything at a node and below; ``above`` are its ancestors, among which it must not be."""
-        if index in above:
-            raise PylmcError(f"node {index} is its own ancestor; export the file again")
-        node = self.data.item("nodes", index)
+    def _visit_all(self, roots: list[Any]) -> None:
+        """Everything at the roots and below, parents first; each node once, as glTF's nodes are trees of any depth."""
+        waiting = [(index, np.eye(4)) for index in reversed(roots)]
+        seen: set[int] = set()
+        while waiting:
+            index, parent = waiting.pop()
+            node = self.data.item("nodes", index)
+            if index in seen:
+                raise PylmcError(
+                    f"node {index} is listed twice, as a child or root, but nodes are trees; export the file again"
+                )
+            seen.add(index)
+            transform = self._visit(index, node, parent)
+            waiting += [(child, transform) for child in reversed(node.get("children", []))]
+
+    def _visit(self, index: int, node: dict[str, Any], parent: np.ndarray) -> np.ndarray:
+        """What is at a node; its transform."""
         transform = parent @ _local_transform(node)
         if not np.all(np.isfinite(transform)):
             raise PylmcError(f"node {index} has a transform with NaN or infinite values; export the file again")
@@ -120,8 +131,7 @@ class _Importer:
         punctual = node.get("extensions", {}).get("KHR_lights_punctual")
         if punctual is not None:
             self._light(punctual["light"], transform)
-        for child in node.get("children", []):
-            self._visit(child, transform, (*above, index))
+        return transform
 
     def _camera(self, perspective: dict[str, Any], transform: np.ndarray, width: int, height: int) -> Camera:
         """glTF cameras look along their node's -z, with +y up."""

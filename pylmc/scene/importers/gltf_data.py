@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import binascii
+import errno
 import io
 import json
 import struct
@@ -27,7 +28,7 @@ class GltfData:
 
     def __init__(self, path: Path) -> None:
         self.folder = path.parent
-        content = path.read_bytes()
+        content = _contents(path)
         if not content:
             raise PylmcError("the file is empty (zero bytes); export it again")
         self.binary: bytes | None = None
@@ -35,6 +36,8 @@ class GltfData:
             content, self.binary = _split_glb(content)
         try:
             document = json.loads(content.decode("utf-8-sig"))
+        except RecursionError:
+            raise PylmcError("its JSON is nested too deeply to be glTF; export or download it again") from None
         except ValueError as error:
             if self.binary is None and not content.lstrip().startswith(b"{"):
                 raise PylmcError("this is neither glTF nor GLB; give a glTF 2.0 file (.gltf or .glb)") from None
@@ -141,10 +144,17 @@ class GltfData:
         if "://" in uri:
             raise PylmcError(f"its {what} is at {uri}; nothing is fetched from the network: save it beside the file")
         try:
-            return (self.folder / unquote(uri)).read_bytes()
+            return _contents(self.folder / unquote(uri))
         except OSError as error:
             reason = error.strerror or type(error).__name__
             raise PylmcError(f"its {what} '{uri}' cannot be read ({reason}); put it beside the file") from None
+
+
+def _contents(path: Path) -> bytes:
+    """A file's bytes; raises OSError also for what is no file: a pipe or a device may never end."""
+    if path.exists() and not path.is_file() and not path.is_dir():
+        raise OSError(errno.EINVAL, "it is a pipe or a device, not a file")
+    return path.read_bytes()
 
 
 def _split_glb(content: bytes) -> tuple[bytes, bytes | None]:
