@@ -99,7 +99,7 @@ def test_pipes_and_devices_are_no_files(tmp_path: Path) -> None:
 def test_a_camera_without_room_for_a_light_behind_it() -> None:
     """On a surface, where the way to what is behind is lost in rounding, a light has no place that is not seen."""
     rng = np.random.default_rng(0)
-    corners = rng.uniform(-1, 1, (3, 3)) + (0, 0, 1)
+    corners = rng.uniform(-1, 1, (3, 3)) + np.array([0, 0, 1])
     box = Shape(([[-3, -3, -3], [3, 3, 4], [3, -3, 4]], [[0, 1, 2]]), Diffuse())
     camera = Camera(rng.dirichlet([1, 1, 1]) @ corners, (0.1, 0.2, -2))
     with pytest.raises(PylmcError, match="no room behind it"):
