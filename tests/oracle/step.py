@@ -76,7 +76,7 @@ def draw_numbers(world: World, paths: Paths, settings: Settings, streams: Stream
     everyone = np.ones(len(paths.light), bool)
     small = streams.uniform(everyone) >= np.float32(settings.large_steps)
     move = np.where(small, choose_block(world, paths, settings, streams.uniform(small)), 0)
-    low, high = np.log(settings.step).astype(np.float32).astype(float)  # as the kernels get them
+    low, high = np.log(settings.step_length).astype(np.float32).astype(float)  # as the kernels get them
     h = np.exp(low + (high - low) * streams.uniform(small))
     xi = np.zeros((len(move), 2 * paths.length))
     for k in range(paths.free):
