@@ -43,7 +43,7 @@ def variants(name: str, sampler: Sampler) -> dict[str, dict[str, Any]]:
         flags = {key: True for key, on in sampler.compiled.features.items() if key.startswith("HAS_") and not on}
         found |= {f"with {key}": {key: True} for key in flags}
         found |= {
-            "with HAS_NARROW, HAS_DEVIATION": {"HAS_NARROW": True, "HAS_GLOSSY": True, "HAS_DEVIATION": True},
+            "with HAS_NARROW, HAS_DEVIATION": {"HAS_NARROW": True, "HAS_DEVIATION": True},
             "with room for 32 segments": {"MAX_DEPTH": MAX_DEPTH},
             "with drift": {"DRIFT": True},
         }

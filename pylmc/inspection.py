@@ -26,11 +26,7 @@ def info(scene: Scene, precision: str = "single", **settings: Any) -> str:
     plan, features = compiled.plan, compiled.features
     camera = scene.camera
     low = 2 if compiled.endings == (0,) else 1
-    lobes = [
-        name
-        for name, flag in (("diffuse", "HAS_DIFFUSE"), ("GGX", "HAS_GLOSSY"), ("refraction", "HAS_TRANSMIT"))
-        if features[flag]
-    ]
+    lobes = [kind.name.replace("_", " ") for kind in compiled.lobe_kinds]
     triangles = len(compiled.arrays["faces"])
     lines = [
         f"film          {camera.width} x {camera.height}, vertical field of view {camera.fov:g} degrees",

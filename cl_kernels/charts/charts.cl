@@ -11,7 +11,7 @@
 
 #include "surface/crossings.cl"
 #include "charts/deviation_chart.cl"
-#include "charts/frames.cl"
+#include "references/references.cl"
 
 #define KIND_PROJECTION 0
 #define KIND_DEVIATION 1
@@ -49,7 +49,7 @@ bool charts_of_path(const Scene *scene, const Path *path, int m, real3 p, Chart 
         if (j > 1) {
             const Vertex *here = &path->vertex[j - 1];
             s = reference_direction(scene, here, here->v);
-            p = transport_frame(here, here->v, p, s);
+            p = transport_frame(scene, here, here->v, p, s);
         }
 #endif
         if (chart->kind == KIND_DEVIATION) {

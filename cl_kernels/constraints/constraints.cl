@@ -7,31 +7,6 @@
 
 #include "constraints/factor.cl"
 
-// The lobe's two axes across its reference direction, in the plane of incidence and across it, and its width along each:
-// what a turn of the microfacet normal by alpha does to the direction. A diffuse lobe is one radian wide.
-void lobe_axes(const Scene *scene, const Vertex *vertex, real3 s, real3 *inward, real3 *sideways, real2 *width) {
-    real3 n = dot(vertex->ns, vertex->v) < 0.0 ? vertex->ns : -vertex->ns;
-    real3 across = n - dot(n, s) * s;
-    real size2 = length2(across);
-    *inward = size2 > 1e-8 ? across * rsqrt(size2) : any_tangent(s);
-    *sideways = cross(s, *inward);
-    *width = (real2)(1.0);
-#if HAS_GLOSSY
-    if (vertex->lobe == LOBE_DIFFUSE) return;
-    real alpha = scene->materials[vertex->material].alpha;
-    real ci = -dot(n, vertex->v);
-    real eta = 1.0, ct = -ci;
-#if HAS_TRANSMIT
-    if (vertex->lobe == LOBE_TRANSMIT) {
-        eta = 1.0 / relative_ior(&scene->materials[vertex->material], vertex, -vertex->v);
-        ct = fmax(fabs(dot(n, s)), 0.1);
-    }
-#endif
-    real turn = fabs(eta * ci - ct);
-    *width = fmin(alpha * (real2)(turn / fmax(fabs(ct), 0.1), fmax(turn, 0.2)), (real2)(1.0));
-#endif
-}
-
 // A free deviation (13), (14): a unit block on Omega, in the lobe's own axes.
 void constrain_free_lobe(const Scene *scene, const Vertex *vertex, const Chart *chart, int column, Factor *factor) {
 #if USE_LOBES

@@ -38,7 +38,7 @@ void add_moving_constraints(const Scene *scene, const Path *path, int m, real3 p
         real3 s, arriving_p = p;
         if (j > 1 && with_frame) {
             s = reference_direction(scene, here, here->v);
-            p = transport_frame(here, here->v, p, s);
+            p = transport_frame(scene, here, here->v, p, s);
         }
 #endif
         for (int b = 0; b < blocks; b++) {
@@ -49,7 +49,7 @@ void add_moving_constraints(const Scene *scene, const Path *path, int m, real3 p
             Tangent ds, dp_s;
             if (j > 1 && with_frame) {
                 ds = reference_tangent(scene, here, dv[b], dn[b]);
-                dp_s = DIFFERENTIALS_REDUCED ? zero : frame_tangent(here, arriving_p, s, dp[b], dv[b], dn[b], ds);
+                dp_s = DIFFERENTIALS_REDUCED ? zero : frame_tangent(scene, here, arriving_p, s, dp[b], dv[b], dn[b], ds);
             }
             if (chart->kind == KIND_DEVIATION)
                 dv[b] = deviation_tangent(chart, ds, dp_s, unit1, unit2);
@@ -100,12 +100,13 @@ void add_moving_constraints(const Scene *scene, const Path *path, int m, real3 p
     // the segment to the fixed point x_{m+1}
     const Vertex *here = &path->vertex[m], *next = &path->vertex[m + 1];
     Tangent domega[COLUMN_BLOCKS], still[COLUMN_BLOCKS], dv_in[COLUMN_BLOCKS];
-    real3 s = here->lobe == LOBE_DIFFUSE ? next->v : reference_direction(scene, here, here->v);
+    bool wide = reference_of(scene, here) == REFERENCE_NORMAL;
+    real3 s = wide ? next->v : reference_direction(scene, here, here->v);
     for (int b = 0; b < blocks; b++) {
         dv_in[b] = dv[b];
         dv[b] = tangent_times(tangent_across(next->v, dx[b]), (real8)(-1.0 / next->t));
-        // a diffuse lobe does not mind where its light goes, but one radian is still as far as a linear step is good
-        domega[b] = here->lobe == LOBE_DIFFUSE ? dv[b] : tangent_sub(dv[b], reference_tangent(scene, here, dv_in[b], dn[b]));
+        // a lobe about the normal does not mind where its light goes, but one radian is still as far as a linear step is good
+        domega[b] = wide ? dv[b] : tangent_sub(dv[b], reference_tangent(scene, here, dv_in[b], dn[b]));
         still[b] = zero;
     }
     constrain_dependent_lobe(scene, here, s, domega, blocks, factor);
@@ -121,7 +122,7 @@ void add_moving_constraints(const Scene *scene, const Path *path, int m, real3 p
     constrain_portals(scene, x, next, dx, still, -1, blocks, factor);
 #if HAS_NARROW
     // the next node's lobe sees its light arrive from elsewhere and must send it on as before
-    if (m + 1 < path->length && next->lobe != LOBE_DIFFUSE) {
+    if (m + 1 < path->length && reference_of(scene, next) != REFERENCE_NORMAL) {
         for (int b = 0; b < blocks; b++) domega[b] = tangent_times(reference_tangent(scene, next, dv[b], zero), (real8)(-1.0));
         constrain_dependent_lobe(scene, next, reference_direction(scene, next, next->v), domega, blocks, factor);
     }

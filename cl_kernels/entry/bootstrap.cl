@@ -44,7 +44,7 @@ PATH_KERNEL void start_chains(SCENE_PARAMETERS, uint seed, uint chains, __global
     // again: its chain starts dark, and leaves by its first large step.
     path.length = start.length;
     path.ending = start.ending;
-    store_path(&path, state);
+    store_path(&scene, &path, state);
     state->slot = start.slot;
     state->log_i = found ? radiance.log_i : LOG_ZERO;
     state->log_p = found ? log_p : 0.0;

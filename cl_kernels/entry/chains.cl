@@ -48,7 +48,7 @@ PATH_KERNEL void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int s
             }
         }
     }
-    store_path(&paths[now], state);
+    store_path(&scene, &paths[now], state);
     state->log_i = log_i;
     state->log_p = log_p;
     vstore3(colour, 0, state->colour);

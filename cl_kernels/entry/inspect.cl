@@ -5,7 +5,7 @@
 // block: how many leading directions; 0: all free ones. A path with a direction out of its chart's reach has no kinds and no L.
 PATH_KERNEL void describe_chains(SCENE_PARAMETERS, uint chains, __global const ChainState *states, int block,
                                  __global real *node_out, __global real *directions, __global real *deviations,
-                                 __global int *kinds, __global int *lobes, __global real *densities, __global real *factors,
+                                 __global int *kinds, __global int *lobes_out, __global real *densities, __global real *factors,
                                  __global real *gradients) {
     uint index = get_global_id(0);
     if (index >= chains) return;
@@ -23,7 +23,7 @@ PATH_KERNEL void describe_chains(SCENE_PARAMETERS, uint chains, __global const C
         size_t at = (size_t)index * MAX_DEPTH + i - 1;
         vstore3(path.vertex[i].x, at, node_out);
         vstore3(path.vertex[i].v, at, directions);
-        lobes[at] = i < path.length ? path.vertex[i].lobe : -1;
+        lobes_out[at] = i < path.length ? scene.lobes[path.vertex[i].lobe].signature : -1;
         kinds[at] = charted && i <= m ? charts[i].kind : -1;
     }
     // Omega_i, the deviation of v_{i+1}, i = 1 .. K-1
@@ -31,7 +31,7 @@ PATH_KERNEL void describe_chains(SCENE_PARAMETERS, uint chains, __global const C
         const Vertex *here = &path.vertex[i];
         real3 s = reference_direction(&scene, here, here->v);
         real2 omega;
-        p = transport_frame(here, here->v, p, s);
+        p = transport_frame(&scene, here, here->v, p, s);
         deviation_of(path.vertex[i + 1].v, s, p, &omega);
         vstore2(omega, (size_t)index * MAX_DEPTH + i - 1, deviations);
         p = rotate_minimal(p, s, path.vertex[i + 1].v);
@@ -72,7 +72,7 @@ PATH_KERNEL void displace_chains(SCENE_PARAMETERS, uint chains, __global const C
 // h, log p(X^|X), log p(X|X^), log of the density, acceptance, and the number that it was compared with.
 PATH_KERNEL void try_step(SCENE_PARAMETERS, uint seed, ulong step, uint chains, float p_large, float log_h_min, float log_h_max,
                           __global const ChainState *states, __global int *drawn, __global real *numbers, __global real *xi_out,
-                          __global real *node_out, __global real *directions, __global int *lobes,
+                          __global real *node_out, __global real *directions, __global int *lobes_out,
                           __global int *triangles_met) {
     uint index = get_global_id(0);
     if (index >= chains) return;
@@ -100,6 +100,6 @@ PATH_KERNEL void try_step(SCENE_PARAMETERS, uint seed, ulong step, uint chains, 
         vstore3(proposal.vertex[i].v, at, directions);
         bool on_light = path.ending == ENDING_CONNECT && i == path.length;
         triangles_met[at] = on_light ? -1 : proposal.vertex[i].triangle;
-        lobes[at] = i < path.length ? proposal.vertex[i].lobe : -1;
+        lobes_out[at] = i < path.length ? scene.lobes[proposal.vertex[i].lobe].signature : -1;
     }
 }

@@ -5,12 +5,6 @@
 #define PURPOSE_PATH 3u
 #define ROULETTE_FROM 4
 
-// Which of a dielectric's two lobes joins the known directions.
-void settle_lobe(const Scene *scene, Vertex *vertex, real3 wi, real3 wo) {
-    if (HAS_TRANSMIT && vertex->lobe != LOBE_DIFFUSE && scene->materials[vertex->material].ior > 0.0)
-        vertex->lobe = dot(vertex->ng, wi) * dot(vertex->ng, wo) < 0.0 ? LOBE_TRANSMIT : LOBE_DIELECTRIC_REFLECT;
-}
-
 // Light that reaches the vertex straight from a point light, as seen from w_i.
 real3 point_light_sample(Scene *scene, Vertex *vertex, real3 wi, Rng *rng) {
     real3 direct = (real3)(0.0);
@@ -65,10 +59,9 @@ real3 trace_path(Scene *scene, real3 v, int max_depth, Rng *rng) {
         }
 #endif
         if (depth == max_depth) break;
-        __global const Material *material = &scene->materials[vertex->material];
-        int lobe = choose_lobe(material, rng);
+        int lobe = choose_lobe(scene, vertex->material, rng);
         vertex->lobe = lobe;
-        throughput /= choice_probability(material, lobe);
+        throughput /= choice_probability(scene, lobe);
         // two statements: C does not say which of two operands draws its random numbers first
         radiance += throughput * point_light_sample(scene, vertex, -v, rng);
         radiance += throughput * emitter_sample(scene, vertex, -v, rng);

@@ -6,7 +6,7 @@
 #define PYLMC_DRIFT
 
 #include "constraints/factor.cl"
-#include "lobes/lobe_gradient.cl"
+#include "lobes/lobes.cl"
 
 // In units of xi the drift is (h/2) L^{-1} g; steps beyond this length only overshoot where log pi is far from linear.
 #define DRIFT_LIMIT 1.0

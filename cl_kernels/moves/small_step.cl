@@ -38,7 +38,7 @@ bool displaced_path(Scene *scene, const Path *x, int m, const real *delta, const
 #if HAS_DEVIATION
         if (j > 1) {
             s = reference_direction(scene, here, here->v);
-            p = transport_frame(here, here->v, p, s);
+            p = transport_frame(scene, here, here->v, p, s);
         }
 #endif
         if (!chart_direction(&charts[j], (real2)(delta[2 * j - 2], delta[2 * j - 1]), node, s, p, &v, &jacobian)) return false;
@@ -54,9 +54,9 @@ bool displaced_path(Scene *scene, const Path *x, int m, const real *delta, const
 #endif
         Vertex *next = &y->vertex[j];
         if (!trace_to_vertex(scene, here, v, next)) return false;
-        next->lobe = x->vertex[j].lobe;
         if (j < y->length) {
-            if (!has_lobe(&scene->materials[next->material], next->lobe)) return false;
+            next->lobe = lobe_like(scene, next->material, scene->lobes[x->vertex[j].lobe].signature);
+            if (next->lobe < 0) return false;
             if (is_narrow(scene, next) != is_narrow(scene, &x->vertex[j])) return false;
         }
         node = next->x;

@@ -21,11 +21,11 @@ void load_path(const Scene *scene, __global const ChainState *state, Path *path)
         }
         vertex->v = vec3(stored->v);
         vertex->t = stored->t;
-        vertex->lobe = stored->lobe;
+        vertex->lobe = i < path->length ? lobe_like(scene, vertex->material, stored->lobe) : -1;
     }
 }
 
-void store_path(const Path *path, __global ChainState *state) {
+void store_path(const Scene *scene, const Path *path, __global ChainState *state) {
     state->length = path->length;
     state->ending = path->ending;
     state->light = path->light;
@@ -38,7 +38,7 @@ void store_path(const Path *path, __global ChainState *state) {
         stored->bu = on_light ? 0.0 : vertex->bu;
         stored->bv = on_light ? 0.0 : vertex->bv;
         stored->triangle = on_light ? -1 : vertex->triangle;
-        stored->lobe = vertex->lobe;
+        stored->lobe = i < path->length ? scene->lobes[vertex->lobe].signature : -1;
     }
 }
 

@@ -21,7 +21,7 @@ bool draw_from_camera(Scene *scene, Path *path, int k, Rng *rng) {
         }
         Vertex *vertex = &path->vertex[i];
         if (!trace_to_vertex(scene, i == 1 ? 0 : &path->vertex[i - 1], direction, vertex)) return false;
-        vertex->lobe = choose_lobe(&scene->materials[vertex->material], rng);
+        vertex->lobe = choose_lobe(scene, vertex->material, rng);
     }
     return true;
 }
@@ -37,7 +37,6 @@ bool draw_from_light(Scene *scene, Path *path, int k, Rng *rng) {
     } else {
         sample_emitter(scene, rng, last);
     }
-    last->lobe = LOBE_DIFFUSE;
     for (int j = length - 1; j > k; j--) {
         Vertex *from = &path->vertex[j + 1], *vertex = &path->vertex[j];
         real3 direction;
@@ -48,22 +47,14 @@ bool draw_from_light(Scene *scene, Path *path, int k, Rng *rng) {
         if (!trace_to_vertex(scene, from, direction, vertex)) return false;
         from->v = -direction;  // segment j+1, as travelled from the camera
         from->t = vertex->t;
-        vertex->lobe = choose_lobe(&scene->materials[vertex->material], rng);
+        vertex->lobe = choose_lobe(scene, vertex->material, rng);
     }
     return true;
 }
 
-// Which of a dielectric's two lobes the finished path uses at each node: the directions say.
+// Which of a pair of lobes the finished path uses at each node: the directions say.
 void settle_lobes(const Scene *scene, Path *path) {
-#if HAS_TRANSMIT
-    for (int i = 1; i < path->length; i++) {
-        Vertex *vertex = &path->vertex[i];
-        if (scene->materials[vertex->material].ior > 0.0 && vertex->lobe != LOBE_DIFFUSE)
-            vertex->lobe = dot(vertex->ng, path->vertex[i].v) * dot(vertex->ng, path->vertex[i + 1].v) > 0.0
-                               ? LOBE_TRANSMIT
-                               : LOBE_DIELECTRIC_REFLECT;
-    }
-#endif
+    for (int i = 1; i < path->length; i++) settle_lobe(scene, &path->vertex[i], -path->vertex[i].v, path->vertex[i + 1].v);
 }
 
 // Draw a path of the given length and ending, and its integrand; false where the draw came to nothing (its weight is zero).
@@ -114,7 +105,7 @@ real log_independent_density(const Scene *scene, const Path *path) {
                                       : lobe_density(scene, from, path->vertex[k + 3].v, direction);
             // from solid angle at x_{k+2} to solid angle at x_k
             density *= fabs(dot(to->ng, direction)) * square(to->t) / (square(from->t) * fabs(dot(to->ng, to->v)));
-            log_choices += log(choice_probability(&scene->materials[to->material], to->lobe));
+            log_choices += log(choice_probability(scene, to->lobe));
         }
         from_light[k] = from_light[k + 1] + log(density);
     }

@@ -7,14 +7,6 @@
 
 #include "surface/scene.cl"
 
-#define ENDING_CONNECT 0
-#define ENDING_HIT 1
-
-#define LOBE_DIFFUSE 0
-#define LOBE_REFLECT 1             // GGX reflection of a conductor
-#define LOBE_DIELECTRIC_REFLECT 2  // the reflected and the
-#define LOBE_TRANSMIT 3            // refracted part of a dielectric interface
-
 typedef struct {
     real3 x;      // position
     real3 v;      // unit direction of the segment that arrives here, as travelled from the camera
@@ -25,7 +17,7 @@ typedef struct {
     real bu, bv;  // barycentric coordinates of x
     int triangle;
     int material;
-    int lobe;  // the lobe of this path's signature at this node
+    int lobe;  // which of the scene's lobes the path takes here; at its end, none
 } Vertex;
 
 typedef struct {
@@ -40,7 +32,7 @@ int free_directions(const Path *path) { return path->ending == ENDING_HIT ? path
 // Does the node take part in scattering as a near-mirror? A property of its material and lobe alone.
 bool is_narrow(const Scene *scene, const Vertex *vertex) {
 #if HAS_NARROW
-    return vertex->lobe != LOBE_DIFFUSE && scene->materials[vertex->material].narrow;
+    return scene->lobes[vertex->lobe].narrow;
 #else
     return false;
 #endif

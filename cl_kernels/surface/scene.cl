@@ -1,5 +1,5 @@
 // The scene as the kernels see it: one bundle of pointers, filled at the top of each kernel. The structs themselves
-// (Material, TriangleInfo, ...) are generated from the numpy dtypes of pylmc/device/layout.py.
+// (Material, TriangleInfo, ...) are generated from the numpy dtypes of pylmc/device/tables.py.
 #ifndef PYLMC_SCENE
 #define PYLMC_SCENE
 
@@ -10,40 +10,12 @@
 // more than speed: Intel's CPU compiler, left to itself, loses occlusions here (tests/claims/test_devices_agree.py).
 #define PATH_KERNEL __kernel __attribute__((vec_type_hint(float8)))
 
+// SCENE_MEMBERS, SCENE_PARAMETERS and SCENE_BUNDLE are made from the table of the scene's arrays (pylmc/device/tables.py): the
+// bundle's members, a kernel's parameters, and the bundle's initialiser.
 typedef struct {
-    __global const BvhNode *nodes;
-    __global const BvhLeaf *leaves;
-    __global const real *vertices;
-    __global const int *faces;
-    __global const real *normals;
-    __global const real *uvs;
-    __global const TriangleInfo *triangles;
-    __global const Material *materials;
-    __global const TextureInfo *textures;
-    __global const float *texels;
-    __global const SceneObject *objects;
-    __global const Emitter *emitters;
-    __global const real *emitter_cdf;
-    __global const int *emitter_triangles;
-    __global const PointLight *points;
-    __global const Portal *portals;
-    __global const Target *targets;
-    __global const Camera *camera;
-    __global const float *evenness;
+    SCENE_MEMBERS
     uint rays;  // rays traced so far, a statistic
 } Scene;
-
-#define SCENE_PARAMETERS                                                                                                     \
-    __global const BvhNode *nodes, __global const BvhLeaf *leaves, __global const real *vertices, __global const int *faces, \
-        __global const real *normals, __global const real *uvs, __global const TriangleInfo *triangles,                      \
-        __global const Material *materials, __global const TextureInfo *textures, __global const float *texels,              \
-        __global const SceneObject *objects, __global const Emitter *emitters, __global const real *emitter_cdf,             \
-        __global const int *emitter_triangles, __global const PointLight *points, __global const Portal *portals,            \
-        __global const Target *targets, __global const Camera *camera, __global const float *evenness
-
-#define SCENE_BUNDLE                                                                                                      \
-    {nodes,    leaves,      vertices,          faces,  normals, uvs,     triangles, materials, textures, texels, objects, \
-     emitters, emitter_cdf, emitter_triangles, points, portals, targets, camera,    evenness,  0u}
 
 real3 load3(__global const real *p, int i) { return vload3(i, p); }
 real3 vec3(__global const real *p) { return (real3)(p[0], p[1], p[2]); }

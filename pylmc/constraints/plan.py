@@ -9,14 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from ..errors import PylmcError
 from ..geometry.objects import SceneObject
-from ..scene import Portal, Scene
-from ..scene.materials import MetallicRoughness, RoughConductor, RoughDielectric
+from ..scene import Material, Portal, Scene
 
 NARROW_ALPHA = 0.3  # lobes narrower than this leave by the deviation chart, wider ones by a target chart
 SMALL = 0.1  # an object is small, in units of the scene's radius, if two of its half-extents are below this
@@ -47,13 +45,9 @@ class ConstraintPlan:
     left_out: tuple[str, ...] = ()
 
 
-def alpha_of(material: Any) -> float | None:
-    """GGX alpha of a material's glossy lobe, or None where it has none."""
-    if isinstance(material, RoughConductor | RoughDielectric):
-        return material.alpha
-    if isinstance(material, MetallicRoughness):
-        return max(material.roughness**2, 1e-3)
-    return None
+def alpha_of(material: Material) -> float | None:
+    """GGX alpha of a material's narrowest lobe, or None where all have a constant width."""
+    return min((lobe.width for lobe in material.lobes() if lobe.width is not None), default=None)
 
 
 def plan_constraints(scene: Scene, objects: Sequence[SceneObject], portals: Sequence[Portal], radius: float) -> ConstraintPlan:

@@ -12,37 +12,14 @@ import pyopencl as cl
 
 from ..errors import PylmcError
 from ..sampling import evenness
-from ..sampling.compiled import FIXED_ARRAYS, CompiledScene
+from ..sampling.compiled import CompiledScene
 from ..settings import Settings
-from . import layout, program, structs
+from . import program, structs, tables
 from .precision import NAME_OF_REAL, on_device, real_fields
 from .survey import context_and_queue, select
 
 # Private memory of one work-item is several kilobytes; PoCL keeps a whole work-group's on a thread's stack.
 WORK_GROUP = 16
-
-# SCENE_PARAMETERS of cl_kernels/surface/scene.cl in order, and the struct that each is an array of (None: plain numbers).
-SCENE_ARGUMENTS: dict[str, str | None] = {
-    "nodes": None,
-    "leaves": None,
-    "vertices": None,
-    "faces": None,
-    "normals": None,
-    "uvs": None,
-    "triangles": "TriangleInfo",
-    "materials": "Material",
-    "textures": "TextureInfo",
-    "texels": None,
-    "objects": "SceneObject",
-    "emitters": "Emitter",
-    "emitter_cdf": None,
-    "emitter_triangles": None,
-    "points": "PointLight",
-    "portals": "Portal",
-    "targets": "Target",
-    "camera": "Camera",
-    "evenness": None,
-}
 
 
 class DeviceScene:
@@ -71,16 +48,17 @@ class DeviceScene:
         self._programs: dict[str, cl.Program] = {}
         self._declarations: list[str] = []
         self.dtypes: dict[str, np.dtype] = {}
-        for name, fields in layout.SCENE_STRUCTS.items():
+        for name, fields in tables.SCENE_STRUCTS.items():
             self._declare(name, fields)
-        self._declare("ChainStart", layout.CHAIN_START)
+        self._declare("Lobe", tables.lobe_record(compiled.lobe_kinds))
+        self._declare("ChainStart", tables.CHAIN_START)
         # pyopencl knows a nested struct by one name and one set of fields: each number type needs its own
         vertex_name = f"ChainVertex_{self.precision.real}"
-        vertex = self._declare(vertex_name, layout.CHAIN_VERTEX)
+        vertex = self._declare(vertex_name, tables.CHAIN_VERTEX)
         self._declarations.append(f"typedef {vertex_name} ChainVertex;")
-        self._declare("ChainState", layout.chain_state(settings.max_depth, vertex))
-        self._declare("ChainCounters", layout.chain_counters(settings.max_depth))
-        self.buffers = [self._upload_scene_array(name, struct) for name, struct in SCENE_ARGUMENTS.items()]
+        self._declare("ChainState", tables.chain_state(settings.max_depth, vertex))
+        self._declare("ChainCounters", tables.chain_counters(settings.max_depth))
+        self.buffers = [self._upload_scene_array(name, kind) for name, kind in tables.SCENE_ARRAYS.items()]
 
     def _declare(self, name: str, fields: Any) -> np.dtype:
         dtype, declaration = structs.declare(self.device, name, real_fields(fields, self.precision.device))
@@ -88,11 +66,11 @@ class DeviceScene:
         self._declarations.append(declaration)
         return dtype
 
-    def _upload_scene_array(self, name: str, struct: str | None) -> cl.Buffer:
+    def _upload_scene_array(self, name: str, kind: str) -> cl.Buffer:
         array = self.compiled.arrays[name]
-        if struct is not None:
-            return self.upload_struct(array, struct)
-        return self.upload(array if name in FIXED_ARRAYS else self.precision.to_device(array))
+        if kind in self.dtypes:
+            return self.upload_struct(array, kind)
+        return self.upload(array if kind in tables.FIXED_TYPES else self.precision.to_device(array))
 
     def upload(self, array: np.ndarray) -> cl.Buffer:
         """A device buffer with the array's content; one byte or more even where it is empty."""
@@ -102,7 +80,7 @@ class DeviceScene:
 
     def set_evenness(self, weights: np.ndarray) -> None:
         """Give the chains' density its weights over the film (see pylmc.sampling.evenness)."""
-        self.buffers[list(SCENE_ARGUMENTS).index("evenness")] = self.upload(weights)
+        self.buffers[list(tables.SCENE_ARRAYS).index("evenness")] = self.upload(weights)
 
     def zeros(self, nbytes: int) -> cl.Buffer:
         """A zero-filled device buffer."""
@@ -139,6 +117,9 @@ class DeviceScene:
             features = self.compiled.features
             deviates = self.settings.coordinates == "deviation" or features["HAS_NARROW"]
             defines = {
+                **tables.scene_macros(),
+                **tables.enumerations(),
+                **tables.dispatch(self.compiled.lobe_kinds),
                 **features,
                 **self.settings.defines(),
                 "HAS_DEVIATION": deviates,
@@ -150,6 +131,7 @@ class DeviceScene:
                     self.context,
                     source,
                     defines=defines,
+                    files=tables.files(self.compiled.lobe_kinds),
                     structs=self._declarations,
                     real=self.precision.real,
                     math=self.settings.math,

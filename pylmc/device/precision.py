@@ -55,7 +55,7 @@ class Precision:
         return {"float": 2.0**-24, "double": 2.0**-53, "pair": 2.0**-44}[self.real]
 
     def to_device(self, array: np.ndarray) -> np.ndarray:
-        """An array of reals (or of structs whose reals are float64, see pylmc.device.layout) as device buffers hold it."""
+        """An array of reals (or of structs whose reals are float64, see pylmc.device.tables) as device buffers hold it."""
         return _convert(array, self.device, _pack if self.real == "pair" else None)
 
     def to_host(self, array: np.ndarray) -> np.ndarray:

@@ -23,6 +23,7 @@ from .float_float import translate
 from .precision import REALS
 
 _INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+_INCLUDE_LIST = re.compile(r"^\s*#\s*include\s+([A-Z_]+)\s*$")
 # "traverse.cl:12:5: error: ..." as clang, Intel and NVIDIA write it, or PoCL's "error: traverse.cl:12:5: ..."
 _PLACE = r"([\w./-]+\.(?:cl|h)|<\w+>):(\d+)(?::\d+)?:"
 _ERROR = re.compile(rf"{_PLACE} (?:fatal )?error:? (.*)|error: {_PLACE} (.*)")
@@ -76,10 +77,17 @@ def _find(name: str, includer: str, bracket: str) -> tuple[str, str] | None:
     return None
 
 
-def _expand(key: str, text: str, seen: set[str], out: list[str]) -> None:
+def _expand(key: str, text: str, seen: set[str], out: list[str], files: Mapping[str, Sequence[str]]) -> None:
     seen.add(key)
     out.append(f'#line 1 "{key}"')
     for number, line in enumerate(text.splitlines(), start=1):
+        listed = _INCLUDE_LIST.match(line)
+        if listed:
+            for name in files.get(listed[1], ()):
+                if name not in seen:
+                    _expand(name, _source(name), seen, out, files)
+            out.append(f'#line {number + 1} "{key}"')
+            continue
         match = _INCLUDE.match(line)
         if match is None:
             out.append(line)
@@ -94,22 +102,32 @@ def _expand(key: str, text: str, seen: set[str], out: list[str]) -> None:
         if found[0] in seen:
             out.append("")
             continue
-        _expand(*found, seen, out)
+        _expand(*found, seen, out, files)
         out.append(f'#line {number + 1} "{key}"')
 
 
-def source(name: str) -> str:
+def source(name: str, files: Mapping[str, Sequence[str]] | None = None) -> str:
     """The text of kernel source ``name`` (``"entry/raytracer.cl"``) with every include in place, each file once.
 
-    ``#line`` directives keep the original file names and numbers in compiler messages. An include inside an ``#if``
-    is expanded where it first occurs. Raises PylmcError for a source or a quoted include that does not exist.
+    ``#line`` directives keep the original file names and numbers in compiler messages. An include inside an ``#if`` is
+    expanded where it first occurs. ``#include WORD`` stands for the ``files`` of that word, or for none. Raises
+    PylmcError for a source or a quoted include that does not exist.
     """
+    return assembled(name, _source(name), files)
+
+
+def assembled(name: str, text: str, files: Mapping[str, Sequence[str]] | None = None) -> str:
+    """``text``, called ``name`` in compiler messages, with every include in place, as :func:`source` does it."""
+    out: list[str] = []
+    _expand(name, text, set(), out, files or {})
+    return "\n".join(out) + "\n"
+
+
+def _source(name: str) -> str:
     text = _read(_kernel_folder(), name)
     if text is None:
         raise PylmcError(f"there is no kernel source '{name}' in {_kernel_folder()}")
-    out: list[str] = []
-    _expand(name, text, set(), out)
-    return "\n".join(out) + "\n"
+    return text
 
 
 def literal(value: object) -> str:
@@ -131,6 +149,7 @@ def build(
     main: str,
     *,
     defines: Mapping[str, object],
+    files: Mapping[str, Sequence[str]] | None = None,
     structs: Sequence[str] = (),
     real: str | None = None,
     math: str = "exact",
@@ -149,14 +168,17 @@ def build(
     if real is not None:
         constants |= {f"REAL_{name.upper()}": i for i, name in enumerate(REALS)} | {"REAL": REALS.index(real)}
         types = source("number/float_float.cl" if real == "pair" else "number/real.cl")
-    body = source(main)
+    body = source(main, files)
     # a constant that a source does not read must not make it another text: compilers' caches know programs by their text
     read = set(_WORD.findall(types)) | set(_WORD.findall(body))
+    for name, value in constants.items():
+        if isinstance(value, str) and name.partition("(")[0] in read:
+            read |= set(_WORD.findall(value))
     text = "\n".join(
         [
             f"#pragma OPENCL FP_CONTRACT {'ON' if math in MATH_OPTIONS else 'OFF'}",
             '#line 1 "<defines>"',
-            *(f"#define {name} {literal(constants[name])}" for name in sorted(read & constants.keys())),
+            *(f"#define {name} {literal(constants[name])}" for name in sorted(constants) if name.partition("(")[0] in read),
             types,
             '#line 1 "<structs>"',
             *(declaration.replace("ulong", "real") if real == "pair" else declaration for declaration in structs),

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pyopencl as cl
 
-from ..device import layout
+from ..device import tables
 from ..picture.statistics import LUMINANCE, BatchMeans
 from ..sampling.groups import Group
 from ..sampling.sampler import FILM_SCALE, STEPS_PER_LAUNCH, Sampler
@@ -42,7 +42,7 @@ class Bidirectional:
         shares = np.maximum(spreads, floor)
         for group, share in zip(self.groups, shares / shares.sum(), strict=True):
             group.first, group.chains = first, max(round(float(streams * share)), 8)
-            part = np.zeros(group.chains, layout.CHAIN_START)
+            part = np.zeros(group.chains, tables.CHAIN_START)
             part["length"], part["ending"], part["slot"] = group.length, group.ending, group.slot
             part["scale"] = 1 / max(group.b, 1e-6 * max(g.b for g in self.groups))
             parts.append(part)

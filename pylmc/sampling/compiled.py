@@ -13,27 +13,17 @@ from typing import Any
 
 import numpy as np
 
-from ..constraints.plan import NARROW_ALPHA, ConstraintPlan, alpha_of, plan_constraints
-from ..device import layout
+from ..constraints.plan import NARROW_ALPHA, ConstraintPlan, plan_constraints
+from ..device import tables
 from ..device.precision import nominal, real_fields
 from ..errors import PylmcError
 from ..geometry import bvh
 from ..geometry.mesh import Mesh, Part, join
 from ..geometry.objects import SceneObject, find_objects
 from ..geometry.portals import find_portals
+from ..lobes import KINDS, REFERENCES, Lobe
 from ..picture.statistics import LUMINANCE
-from ..scene import (
-    Diffuse,
-    Material,
-    MetallicRoughness,
-    PointLight,
-    Portal,
-    RoughConductor,
-    RoughDielectric,
-    Scene,
-    Shape,
-    Texture,
-)
+from ..scene import PointLight, Portal, Scene, Shape, Texture
 from .evenness import GRID
 
 
@@ -42,9 +32,9 @@ class CompiledScene:
     """What is found in a scene, its arrays for the device, kernel constants, and what undoes the scaling.
 
     ``mesh``, ``portals`` (given or found) and ``objects`` are in scene units; ``plan`` lists the constraints that they make.
-    ``arrays`` by name (see SCENE_PARAMETERS in cl_kernels/surface/scene.cl) are scaled; ``features`` are the kernel
-    constants; ``endings`` which of connect (0) and hit (1) the scene has. ``radiance_scale``: multiply a rendered radiance
-    by this to return to the scene's units.
+    ``arrays`` by name (see ``SCENE_ARRAYS`` in pylmc/device/tables.py) are scaled; ``features`` are the kernel constants,
+    ``lobe_kinds`` the kinds of lobes; ``endings`` which of connect (0) and hit (1) the scene has. ``radiance_scale``:
+    multiply a rendered radiance by this to return to the scene's units.
     """
 
     mesh: Mesh
@@ -53,6 +43,7 @@ class CompiledScene:
     plan: ConstraintPlan
     arrays: dict[str, np.ndarray]
     features: dict[str, Any]
+    lobe_kinds: tuple[type[Lobe], ...]
     endings: tuple[int, ...]
     centre: np.ndarray
     scale: float
@@ -62,10 +53,6 @@ class CompiledScene:
 def power_of_two(value: float) -> float:
     """The power of two nearest to a positive number, from below."""
     return float(2.0 ** np.floor(np.log2(value)))
-
-
-# Arrays that keep the type they were made with: the tree's and those that are single precision by nature.
-FIXED_ARRAYS = ("nodes", "leaves", "texels", "evenness")
 
 
 def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
@@ -93,9 +80,9 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
     doubled = np.linalg.norm(cross, axis=1)
     geometric = np.where(doubled[:, None] > 0, cross / np.where(doubled > 0, doubled, 1)[:, None], [0.0, 0.0, 1.0])
 
-    materials, material_of_shape, textures = _materials(scene.shapes)
+    materials, material_of_shape, lobe_kinds = _materials(scene.shapes)
     lights = _lights(scene, doubled / 2, shape_of, centre, scale)
-    triangles = np.zeros(len(faces), layout.TRIANGLE_INFO)
+    triangles = np.zeros(len(faces), tables.TRIANGLE_INFO)
     triangles["normal"] = geometric
     triangles["material"] = material_of_shape[shape_of]
     triangles["object"] = object_of
@@ -111,8 +98,7 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
         "normals": mesh.normals,
         "uvs": mesh.uvs,
         "triangles": triangles,
-        "materials": materials,
-        **textures,
+        **materials,
         "objects": _objects(objects, plan, scale),
         "emitters": lights["emitters"],
         "emitter_cdf": lights["emitter_cdf"],
@@ -123,10 +109,8 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
         "camera": _camera(scene, centre, scale),
         "evenness": np.ones((GRID, GRID), np.float32),
     }
-    for name in arrays.keys() - set(FIXED_ARRAYS):
+    for name in (name for name, kind in tables.SCENE_ARRAYS.items() if kind not in tables.FIXED_TYPES):
         arrays[name] = arrays[name].astype(real_fields(arrays[name].dtype, kind.host), copy=False)
-    kinds = [shape.material for shape in scene.shapes]
-    glossy = [alpha for alpha in map(alpha_of, kinds) if alpha is not None]
     features = tree.defines() | {
         "HAS_POINTS": len(scene.lights) > 0,
         "HAS_EMITTERS": len(lights["emitter_triangles"]) > 0,
@@ -134,17 +118,15 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
         "NUM_EMITTER_TRIANGLES": len(lights["emitter_triangles"]),
         "NUM_PORTALS": len(plan.portals),
         "NUM_TARGETS": len(plan.portals) + len(plan.aimed_objects),
-        "HAS_DIFFUSE": any(isinstance(kind, Diffuse | MetallicRoughness) for kind in kinds),
-        "HAS_GLOSSY": bool(glossy),
-        "HAS_TRANSMIT": any(isinstance(kind, RoughDielectric) for kind in kinds),
-        "HAS_NARROW": any(alpha < NARROW_ALPHA for alpha in glossy),
+        "HAS_PAIRS": any(kind.pair for kind in lobe_kinds),
+        "HAS_NARROW": bool(arrays["lobes"]["narrow"].any()),
         "HAS_SMOOTH": bool(mesh.smooth.any()),
-        "HAS_TEXTURES": len(textures["textures"]) > 0,
+        "HAS_TEXTURES": len(arrays["textures"]) > 0,
         "HAS_SMALL_OBJECTS": plan.small_objects > 0,
     }
     endings = tuple(e for e, has in enumerate((features["HAS_POINTS"], features["HAS_EMITTERS"])) if has)
     return CompiledScene(
-        mesh, portals, tuple(objects), plan, arrays, features, endings, centre, scale, lights["radiance_scale"]
+        mesh, portals, tuple(objects), plan, arrays, features, lobe_kinds, endings, centre, scale, lights["radiance_scale"]
     )
 
 
@@ -158,64 +140,52 @@ def _all_portals(scene: Scene, mesh: Mesh) -> tuple[Portal, ...]:
     return tuple(Portal(*hole) for hole in find_portals(mesh)) if scene.portals == "auto" else scene.portals
 
 
-def _material_record(material: Material, textures: list[Texture]) -> np.ndarray:
-    record = np.zeros((), layout.MATERIAL)
-    record["texture"] = -1
-    record["alpha"] = alpha_of(material) or 0
-    record["narrow"] = 0 < record["alpha"] < NARROW_ALPHA
-    if isinstance(material, RoughConductor | RoughDielectric):
-        record["separable"] = material.masking == "separable"
-    if isinstance(material, RoughConductor):
-        record["specular"] = material.reflectance
-        return record
-    if isinstance(material, RoughDielectric):
-        record["ior"] = material.ior
-        return record
-    assert isinstance(material, Diffuse | MetallicRoughness)
-    colour = material.reflectance if isinstance(material, Diffuse) else material.base_color
-    if isinstance(colour, Texture):
-        record["texture"] = next((i for i, t in enumerate(textures) if t is colour), len(textures))
-        if record["texture"] == len(textures):
-            textures.append(colour)
-        factor, mean = np.ones(3), np.array(colour.mean())
-    else:
-        factor = mean = np.array(colour)
-    if isinstance(material, Diffuse):
-        record["diffuse"] = factor
-        record["choose_diffuse"] = 1
-        return record
-    metallic = material.metallic
-    # what the dielectric coat reflects at normal incidence does not reach the diffuse base
-    record["diffuse"] = factor * (1 - metallic) * (1 - 0.04)
-    record["specular"] = 0.04 * (1 - metallic)
-    record["specular_tinted"] = factor * metallic
-    record["schlick"] = 1
-    diffuse_power = float(mean @ LUMINANCE) * (1 - metallic)
-    # Schlick's Fresnel term grows towards grazing: leave the specular lobe a share even where F0 is small
-    specular_power = 0.1 + 0.04 * (1 - metallic) + float(mean @ LUMINANCE) * metallic
-    record["choose_diffuse"] = diffuse_power / (diffuse_power + specular_power)
-    return record
+def _materials(shapes: Sequence[Shape]) -> tuple[dict[str, np.ndarray], np.ndarray, tuple[type[Lobe], ...]]:
+    """Materials, their lobes and textures as arrays; each shape's material; the kinds of lobes there are."""
+    found = list({id(shape.material): shape.material for shape in shapes}.values())
+    index_of = {id(material): index for index, material in enumerate(found)}
+    lobes = [material.lobes() for material in found]
+    kinds = tuple(kind for kind in KINDS if any(isinstance(lobe, kind) for of_one in lobes for lobe in of_one))
+    textures = list({id(m.texture): m.texture for m in found if m.texture is not None}.values())
+    records = np.zeros(len(found), tables.MATERIAL)
+    for record, material, of_one in zip(records, found, lobes, strict=True):
+        record["lobes"], record["choices"] = len(of_one), sum(lobe.pair >= 0 for lobe in of_one)
+        record["texture"] = next((i for i, texture in enumerate(textures) if texture is material.texture), -1)
+    records["first_lobe"] = np.cumsum(records["lobes"]) - records["lobes"]
+    layout = tables.lobe_record(kinds)
+    arrays = {"materials": records, "lobes": np.concatenate([_lobe_records(of_one, layout) for of_one in lobes])}
+    of_shape = np.array([index_of[id(shape.material)] for shape in shapes])
+    return arrays | _textures(textures), of_shape, kinds
 
 
-def _materials(shapes: Sequence[Shape]) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
-    """Material records, each shape's index into them, and the textures they use."""
-    textures: list[Texture] = []
-    index_of: dict[int, int] = {}
-    records: list[np.ndarray] = []
-    for shape in shapes:
-        if id(shape.material) not in index_of:
-            index_of[id(shape.material)] = len(records)
-            records.append(_material_record(shape.material, textures))
-    info = np.zeros(len(textures), layout.TEXTURE_INFO)
+def _lobe_records(lobes: Sequence[Lobe], layout: list[Any]) -> np.ndarray:
+    """One material's lobes; the two of a pair have the reflecting one's share together."""
+    records = np.zeros(len(lobes), layout)
+    shares = np.array([lobe.share if lobe.pair >= 0 else 0.0 for lobe in lobes])
+    upto = np.cumsum(shares) / shares.sum()
+    upto[-1] = 1.0
+    before = np.append(0.0, upto[:-1])
+    for i, lobe in enumerate(lobes):
+        record, first = records[i], i - (lobe.pair < 0)
+        record["choose"], record["choose_before"] = upto[first], before[first]
+        record["kind"] = KINDS.index(type(lobe))
+        record["signature"] = record["kind"] + len(KINDS) * sum(type(other) is type(lobe) for other in lobes[:i])
+        record["reference"], record["pair"] = REFERENCES.index(lobe.reference), lobe.pair
+        record["narrow"] = lobe.width is not None and lobe.width < NARROW_ALPHA
+        for name, value in lobe.values().items():
+            record[name] = value
+    return records
+
+
+def _textures(textures: Sequence[Texture]) -> dict[str, np.ndarray]:
+    info = np.zeros(len(textures), tables.TEXTURE_INFO)
     offset = 0
     for entry, texture in zip(info, textures, strict=True):
         entry["height"], entry["width"] = texture.pixels.shape[:2]
         entry["offset"] = offset
         offset += entry["height"] * entry["width"]
     texels = [texture.pixels.reshape(-1, 3) for texture in textures]
-    pixels = np.concatenate(texels) if texels else np.zeros((0, 3), np.float32)
-    of_shape = np.array([index_of[id(shape.material)] for shape in shapes])
-    return np.stack(records), of_shape, {"textures": info, "texels": pixels}
+    return {"textures": info, "texels": np.concatenate(texels) if texels else np.zeros((0, 3), np.float32)}
 
 
 def _lights(scene: Scene, areas: np.ndarray, shape_of: np.ndarray, centre: np.ndarray, scale: float) -> dict[str, Any]:
@@ -231,7 +201,7 @@ def _lights(scene: Scene, areas: np.ndarray, shape_of: np.ndarray, centre: np.nd
         raise PylmcError("Scene: its lights have no power or no area; enlarge the emitting shapes or add a PointLight")
     exposure = 1 / power_of_two(total)
 
-    points = np.zeros(len(lamps), layout.POINT_LIGHT)
+    points = np.zeros(len(lamps), tables.POINT_LIGHT)
     if len(points):
         points["position"] = (np.array([light.position for light in lamps]) - centre) / scale
         points["intensity"] = intensities / scale**2 * exposure
@@ -240,7 +210,7 @@ def _lights(scene: Scene, areas: np.ndarray, shape_of: np.ndarray, centre: np.nd
     emitter_of_shape = np.full(len(scene.shapes), -1)
     shining = np.unique(shape_of[emitting])
     emitter_of_shape[shining] = np.arange(len(shining))
-    emitters = np.zeros(len(shining), layout.EMITTER)
+    emitters = np.zeros(len(shining), tables.EMITTER)
     emitters["radiance"] = radiances[shining] * exposure
     # a shape by its share, a triangle of it by area: the density per area is the same all over a shape
     shape_areas = np.bincount(shape_of[emitting], weights=areas[emitting], minlength=len(scene.shapes))[shining]
@@ -265,7 +235,7 @@ def _shares(power: np.ndarray) -> np.ndarray:
 
 def _camera(scene: Scene, centre: np.ndarray, scale: float) -> np.ndarray:
     camera = scene.camera
-    record = np.zeros(1, layout.CAMERA)
+    record = np.zeros(1, tables.CAMERA)
     record["origin"] = (camera.origin - centre) / scale
     record["right"], record["up"], record["forward"] = camera.axes()
     tan_y = np.tan(np.radians(camera.fov) / 2)
@@ -276,7 +246,7 @@ def _camera(scene: Scene, centre: np.ndarray, scale: float) -> np.ndarray:
 
 
 def _objects(objects: Sequence[SceneObject], plan: ConstraintPlan, scale: float) -> np.ndarray:
-    records = np.zeros(len(objects), layout.SCENE_OBJECT)
+    records = np.zeros(len(objects), tables.SCENE_OBJECT)
     for record, item, weights in zip(records, objects, plan.object_weights, strict=True):
         record["axes"] = np.asarray(item.axes).ravel()
         record["inverse_half"] = weights * scale
@@ -285,7 +255,7 @@ def _objects(objects: Sequence[SceneObject], plan: ConstraintPlan, scale: float)
 
 
 def _portals(plan: ConstraintPlan, centre: np.ndarray, scale: float) -> np.ndarray:
-    records = np.zeros(len(plan.portals), layout.PORTAL)
+    records = np.zeros(len(plan.portals), tables.PORTAL)
     for record, portal in zip(records, plan.portals, strict=True):
         record["centre"] = (portal.centre - centre) / scale
         record["normal"], record["axis"] = portal.normal, portal.axis
@@ -295,7 +265,7 @@ def _portals(plan: ConstraintPlan, centre: np.ndarray, scale: float) -> np.ndarr
 
 def _targets(plan: ConstraintPlan, objects: Sequence[SceneObject], centre: np.ndarray, scale: float) -> np.ndarray:
     holes = _portals(plan, centre, scale)
-    records = np.zeros(len(holes) + len(plan.aimed_objects), layout.TARGET)
+    records = np.zeros(len(holes) + len(plan.aimed_objects), tables.TARGET)
     for name in ("centre", "normal", "axis", "half_size"):
         records[name][: len(holes)] = holes[name]
     for record, index in zip(records[len(holes) :], plan.aimed_objects, strict=True):

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..checks import check_integer
-from ..device import layout
+from ..device import tables
 from ..device.device_scene import DeviceScene
 from ..errors import PylmcError, PylmcWarning
 from ..scene import Scene
@@ -152,7 +152,7 @@ class Sampler:
             weights = np.exp(group.log_weights - group.log_weights.max())
             points = (np.arange(group.chains) + rng.random()) / group.chains * weights.sum()
             chosen = np.minimum(np.searchsorted(np.cumsum(weights), points, side="right"), len(weights) - 1)
-            part = np.zeros(group.chains, layout.CHAIN_START)
+            part = np.zeros(group.chains, tables.CHAIN_START)
             part["group"], part["slot"], part["number"] = group.slot, slot, chosen
             part["length"], part["ending"] = group.length, group.ending
             starts.append(part)

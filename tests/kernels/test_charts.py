@@ -72,11 +72,11 @@ __kernel void probe_frames(SCENE_PARAMETERS, int count, int lobe, int material, 
     Scene scene = SCENE_BUNDLE;
     Vertex vertex;
     vertex.ns = vertex.ng = load3(vectors, 4 * i);
-    vertex.lobe = lobe;
+    vertex.lobe = lobe_like(&scene, material, lobe);
     vertex.material = material;
     float3 v = load3(vectors, 4 * i + 1), p = load3(vectors, 4 * i + 2), next = load3(vectors, 4 * i + 3);
     float3 s = reference_direction(&scene, &vertex, v);
-    float3 at_s = transport_frame(&vertex, v, p, s), turned = rotate_minimal(at_s, s, next);
+    float3 at_s = transport_frame(&scene, &vertex, v, p, s), turned = rotate_minimal(at_s, s, next);
     vstore3(s, 5 * i, out);
     vstore3(at_s, 5 * i + 1, out);
     vstore3(turned, 5 * i + 2, out);

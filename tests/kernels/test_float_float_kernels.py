@@ -119,7 +119,7 @@ def test_pairs_compute_what_float64_does():
     assert term in original("number/float_float.cl")
     broken = Sampler(load("box"), precision="float-float", max_depth=3, **SETTINGS)
     broken.groups, broken.chains = pairs.groups, pairs.chains
-    with patch.object(program, "source", lambda name: original(name).replace(term, "cross")):
+    with patch.object(program, "source", lambda name, files=None: original(name, files).replace(term, "cross")):
         broken.device_scene.kernel("entry/inspect.cl", "describe_chains")
     with pytest.raises(AssertionError, match="'log_pi'"):
         check_states(broken, double, raw)

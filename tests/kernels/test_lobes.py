@@ -21,6 +21,7 @@ from oracle.lobes import (
     lobe_density,
     lobe_value,
 )
+from oracle.materials import side_by_side
 from oracle.microfacet import fresnel, ggx_d_at, smith_lambda
 from oracle.vectors import Array, dot, mirror, unit
 from scipy import stats
@@ -70,7 +71,7 @@ Vertex probe_vertex(const Scene *scene, int material, int lobe, int i, __global 
     vertex.ns = load3(normal_pairs, 2 * i + 1);
     vertex.tint = (float3)(1.0f);
     vertex.material = material;
-    vertex.lobe = lobe;
+    vertex.lobe = lobe_like(scene, material, lobe);
     return vertex;
 }
 
@@ -88,7 +89,7 @@ __kernel void probe_values(SCENE_PARAMETERS, int count, int material, int lobe, 
 }
 
 __kernel void probe_samples(SCENE_PARAMETERS, int count, int material, int lobe, __global const float *normal_pairs,
-                            __global const float *known, uint seed, __global float *other, __global int *lobes) {
+                            __global const float *known, uint seed, __global float *other, __global int *lobes_out) {
     int i = get_global_id(0);
     if (i >= count) return;
     Scene scene = SCENE_BUNDLE;
@@ -97,7 +98,7 @@ __kernel void probe_samples(SCENE_PARAMETERS, int count, int material, int lobe,
     float3 direction;
     bool ok = lobe_sample(&scene, &vertex, load3(known, 0), &rng, &direction);
     vstore3(direction, i, other);
-    lobes[i] = ok ? vertex.lobe : -1;
+    lobes_out[i] = ok ? scene.lobes[vertex.lobe].signature : -1;
 }
 """
 
@@ -116,7 +117,8 @@ class Lobes:
         self._samples = build_probe(self.device, SOURCE, "probe_samples", NUM_TARGETS=0)
 
     def surface(self, material: int, lobe: int, n: int, ng: Array, ns: Array) -> Surface:
-        record = self.compiled.arrays["materials"][self.compiled.arrays["triangles"]["material"][material]]
+        arrays = self.compiled.arrays
+        record = side_by_side(arrays["materials"], arrays["lobes"])[arrays["triangles"]["material"][material]]
         ng, ns = np.broadcast_to(ng, (n, 3)), np.broadcast_to(ns, (n, 3))
         return Surface(np.zeros((n, 3)), ng, ns, np.ones((n, 3)), np.full(n, record), np.full(n, lobe))
 

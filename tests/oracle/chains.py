@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pylmc.device import layout
-from pylmc.device.device_scene import SCENE_ARGUMENTS
+from pylmc.device import tables
+from pylmc.device.tables import SCENE_ARRAYS
 from pylmc.sampling.sampler import Sampler
 
 from .integrand import log_pi
@@ -18,7 +18,7 @@ def world_of(sampler: Sampler) -> World:
     """The sampler's scene, with the weights over the film that its start has chosen."""
     device = sampler.device_scene
     initial = sampler.compiled.arrays["evenness"]
-    buffer = device.buffers[list(SCENE_ARGUMENTS).index("evenness")]
+    buffer = device.buffers[list(SCENE_ARRAYS).index("evenness")]
     return World(sampler.compiled, device.read(buffer, initial.dtype, initial.shape), sampler.settings.aim)
 
 
@@ -69,7 +69,7 @@ def adopt(sampler: Sampler, world: World, states: Array) -> None:
 
 def write_paths(sampler: Sampler, paths: Paths, weights: Array) -> None:
     """Make these paths (with the barycentric ``weights`` that they were made from) the chains' states."""
-    raw = np.zeros(len(paths.light), layout.chain_state(sampler.settings.max_depth, np.dtype(layout.CHAIN_VERTEX)))
+    raw = np.zeros(len(paths.light), tables.chain_state(sampler.settings.max_depth, np.dtype(tables.CHAIN_VERTEX)))
     raw["length"], raw["ending"], raw["light"] = paths.length, paths.ending, paths.light
     vertex = raw["vertex"]
     for i in range(1, paths.length + 1):

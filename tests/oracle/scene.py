@@ -8,6 +8,7 @@ import numpy as np
 
 from pylmc.sampling.compiled import CompiledScene
 
+from .materials import side_by_side
 from .vectors import Array, dot, norm
 
 LUMINANCE = np.array([0.212671, 0.715160, 0.072169])
@@ -29,7 +30,7 @@ class World:
         self.normals = a["triangles"]["normal"].astype(float)
         self.corner_normals = a["normals"].astype(float)[a["faces"]] if len(a["normals"]) else np.zeros((0, 3, 3))
         self.uvs = a["uvs"].astype(float)[a["faces"]] if len(a["uvs"]) else np.zeros((0, 3, 2))
-        self.materials = a["materials"][a["triangles"]["material"]]
+        self.materials = side_by_side(a["materials"], a["lobes"])[a["triangles"]["material"]]
         self.camera = a["camera"][0]
         self.origin = self.camera["origin"].astype(float)
         # segments within this of a surface that they leave or meet count for nothing (vectors.cl)

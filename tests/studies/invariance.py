@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from pylmc.device.device_scene import SCENE_ARGUMENTS
+from pylmc.device.tables import SCENE_ARRAYS
 from pylmc.sampling.evenness import GRID
 from pylmc.sampling.sampler import Sampler
 from pylmc.sampling.states import States
@@ -65,7 +65,7 @@ class Start:
             samples.append((self.sampler.states(), effective))
         device = self.sampler.device_scene
         self.chains = device.read_struct(self.sampler._states, "ChainState", self.sampler.chains)  # of the second
-        self.weights = device.read(device.buffers[list(SCENE_ARGUMENTS).index("evenness")], np.float32, (GRID, GRID))
+        self.weights = device.read(device.buffers[list(SCENE_ARRAYS).index("evenness")], np.float32, (GRID, GRID))
         (self.fresh, effective_fresh), (self.unmoved, effective) = samples
         self.take: dict[tuple[int, int], int] = {}  # chains of each (length, ending) that take part in comparisons
         for kind in effective.keys() & effective_fresh.keys():
@@ -74,7 +74,7 @@ class Start:
             self.take[kind] = min(*counts, int(min(effective[kind], effective_fresh[kind]) / INDEPENDENT))
 
     def described(self, chains: np.ndarray) -> States:
-        """Chains as the device keeps them (pylmc.device.layout), as States."""
+        """Chains as the device keeps them (pylmc.device.tables), as States."""
         device = self.sampler.device_scene
         self.sampler._states = device.upload_struct(chains, "ChainState")
         return self.sampler.states()

@@ -18,11 +18,13 @@ from pylmc.scene import Camera, Diffuse, MetallicRoughness, PointLight, Scene, S
 
 def build_probe(device: DeviceScene, text: str, name: str, **extra: Any) -> cl.Kernel:
     """Kernel ``name`` of the source ``text``, whose ``#include`` lines find the package's kernels."""
-    lines: list[str] = []
-    program._expand("probe.cl", text, set(), lines)
     # a device scene keeps its programs by name: the text must take part in it
     probe, original = f"probe {hash(text)}", program.source
-    with patch.object(program, "source", lambda wanted: "\n".join(lines) + "\n" if wanted == probe else original(wanted)):
+
+    def source(wanted: str, files: Any = None) -> str:
+        return program.assembled("probe.cl", text, files) if wanted == probe else original(wanted, files)
+
+    with patch.object(program, "source", source):
         return device.kernel(probe, name, **extra)
 
 
@@ -34,8 +36,8 @@ def edited_source(edits: Mapping[str, str]) -> Iterator[None]:
     """Kernels are built with pieces of their source replaced; each piece must be there."""
     original = program.source
 
-    def source(name: str) -> str:
-        text = original(name)
+    def source(name: str, files: Any = None) -> str:
+        text = original(name, files)
         if name in NUMBER_TYPES:
             return text
         for old, new in edits.items():

@@ -95,7 +95,13 @@ class Statements(Expressions):
                 return f"#pragma {node.string}\n"
             case c_ast.Decl():
                 return f"{self._line(node)}{self._variable(node)};\n"
-            case c_ast.Case() | c_ast.Default() | c_ast.Switch() | c_ast.Label() | c_ast.Goto():
+            case c_ast.Switch():
+                return f"{self._line(node)}switch ({self.expression(node.cond).text})\n{self.statement(node.stmt)}"
+            case c_ast.Case():
+                return f"case {self.expression(node.expr).text}:\n" + "".join(map(self.statement, node.stmts or ()))
+            case c_ast.Default():
+                return "default:\n" + "".join(map(self.statement, node.stmts or ()))
+            case c_ast.Label() | c_ast.Goto():
                 self.fail(node, f"{type(node).__name__.lower()} is not understood")
         return f"{self._line(node)}{self.expression(node).text};\n"
 

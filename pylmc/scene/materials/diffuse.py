@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from ...lobes import Diffuse as DiffuseLobe
+from ...lobes import Lobe
 from ..texture import Texture
 from ..values import as_rgb
 from .material import Material
@@ -19,3 +21,7 @@ class Diffuse(Material):
     def __post_init__(self) -> None:
         if not isinstance(self.reflectance, Texture):
             object.__setattr__(self, "reflectance", as_rgb(self.reflectance, "Diffuse.reflectance", 1.0))
+
+    def lobes(self) -> list[Lobe]:
+        """What the material is a sum of."""
+        return [DiffuseLobe(diffuse=1.0 if self.texture else self.reflectance)]

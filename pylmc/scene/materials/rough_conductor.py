@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from ...lobes import Lobe, Reflect
 from ..values import as_rgb
 from .material import Material
 from .microfacets import check_alpha, check_masking
@@ -26,3 +27,7 @@ class RoughConductor(Material):
         object.__setattr__(self, "alpha", check_alpha(self.alpha, "RoughConductor"))
         check_masking(self.masking, "RoughConductor")
         object.__setattr__(self, "reflectance", as_rgb(self.reflectance, "RoughConductor.reflectance", 1.0))
+
+    def lobes(self) -> list[Lobe]:
+        """What the material is a sum of."""
+        return [Reflect(alpha=self.alpha, specular=self.reflectance, separable=self.masking == "separable")]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import PylmcError
+from ...lobes import DielectricReflect, DielectricTransmit, Lobe
 from .material import Material
 from .microfacets import check_alpha, check_masking
 
@@ -33,3 +34,11 @@ class RoughDielectric(Material):
         if not (np.isfinite(ior) and ior > 0 and abs(ior - 1) > 1e-3):
             raise PylmcError(f"RoughDielectric: ior={ior:g} must be positive and differ from 1 (glass: 1.5)")
         object.__setattr__(self, "ior", ior)
+
+    def lobes(self) -> list[Lobe]:
+        """What the material is a sum of: two lobes that are one choice."""
+        separable = self.masking == "separable"
+        return [
+            DielectricReflect(alpha=self.alpha, ior=self.ior, separable=separable),
+            DielectricTransmit(alpha=self.alpha, ior=self.ior, separable=separable),
+        ]

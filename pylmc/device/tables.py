@@ -1,0 +1,178 @@
+"""What host and device share, each written once, here: structs, the scene's arrays, enumerations, lists for dispatch.
+
+Structs are NumPy dtypes (see :mod:`pylmc.device.structs`); the rest becomes ``#define`` lines of every program. A float64
+field stands for a ``real``: :func:`pylmc.device.precision.real_fields` puts the run's number type in its place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..lobes import KINDS, REFERENCES, Lobe
+
+_F3 = (np.float64, (3,))
+
+CAMERA: list[Any] = [
+    ("origin", *_F3),
+    ("right", *_F3),
+    ("up", *_F3),
+    ("forward", *_F3),
+    ("tan_x", np.float64),
+    ("tan_y", np.float64),
+    ("bound", np.float64),
+    ("width", np.int32),
+    ("height", np.int32),
+]
+TRIANGLE_INFO: list[Any] = [
+    ("normal", *_F3),
+    ("material", np.int32),
+    ("object", np.int32),
+    ("emitter", np.int32),
+    ("smooth", np.int32),
+]
+MATERIAL: list[Any] = [("first_lobe", np.int32), ("lobes", np.int32), ("choices", np.int32), ("texture", np.int32)]
+TEXTURE_INFO: list[Any] = [("offset", np.int32), ("width", np.int32), ("height", np.int32)]
+SCENE_OBJECT: list[Any] = [("axes", np.float64, (9,)), ("inverse_half", *_F3), ("small", np.int32)]
+EMITTER: list[Any] = [("radiance", *_F3), ("density", np.float64)]
+POINT_LIGHT: list[Any] = [("position", *_F3), ("intensity", *_F3), ("cumulative", np.float64)]
+PORTAL: list[Any] = [("centre", *_F3), ("normal", *_F3), ("axis", *_F3), ("half_size", np.float64, (2,))]
+TARGET: list[Any] = [*PORTAL, ("sphere", np.int32)]
+CHAIN_START: list[Any] = [
+    ("group", np.uint32),
+    ("number", np.uint32),
+    ("length", np.int32),
+    ("ending", np.int32),
+    ("slot", np.int32),
+    ("scale", np.float64),
+]
+CHAIN_VERTEX: list[Any] = [
+    ("v", *_F3),
+    ("t", np.float64),
+    ("bu", np.float64),
+    ("bv", np.float64),
+    ("triangle", np.int32),
+    ("lobe", np.int32),
+]
+
+# What every lobe's record begins with: see lobes.cl. The parameters of the scene's kinds of lobes follow.
+LOBE: list[Any] = [
+    ("choose", np.float64),
+    ("choose_before", np.float64),
+    ("kind", np.int32),
+    ("signature", np.int32),
+    ("reference", np.int32),
+    ("pair", np.int32),
+    ("narrow", np.int32),
+]
+
+# The scene's arrays, in the order in which every kernel takes them: name and element type.
+SCENE_ARRAYS: dict[str, str] = {
+    "nodes": "BvhNode",
+    "leaves": "BvhLeaf",
+    "vertices": "real",
+    "faces": "int",
+    "normals": "real",
+    "uvs": "real",
+    "triangles": "TriangleInfo",
+    "materials": "Material",
+    "lobes": "Lobe",
+    "textures": "TextureInfo",
+    "texels": "float",
+    "objects": "SceneObject",
+    "emitters": "Emitter",
+    "emitter_cdf": "real",
+    "emitter_triangles": "int",
+    "points": "PointLight",
+    "portals": "Portal",
+    "targets": "Target",
+    "camera": "Camera",
+    "evenness": "float",
+}
+# Element types whose arrays keep the type they were made with: the tree's, and those that are single precision by nature.
+FIXED_TYPES = ("BvhNode", "BvhLeaf", "float")
+
+SCENE_STRUCTS = {
+    "Camera": CAMERA,
+    "TriangleInfo": TRIANGLE_INFO,
+    "Material": MATERIAL,
+    "TextureInfo": TEXTURE_INFO,
+    "SceneObject": SCENE_OBJECT,
+    "Emitter": EMITTER,
+    "PointLight": POINT_LIGHT,
+    "Portal": PORTAL,
+    "Target": TARGET,
+}
+ENDINGS = ("connect", "hit")  # how a path ends: joined to a light without area, or on an emitter
+
+
+def lobe_record(kinds: Iterable[type[Lobe]]) -> list[Any]:
+    """The record of a lobe in a scene with these kinds: what all have, and each kind's parameters once."""
+    fields = {field[0]: field for kind in kinds for field in kind.fields}
+    return [*LOBE, *fields.values()]
+
+
+def scene_macros() -> dict[str, str]:
+    """The bundle of the scene's arrays, as scene.cl takes it."""
+    declared = [f"__global const {kind} *{name}" for name, kind in SCENE_ARRAYS.items()]
+    return {
+        "SCENE_MEMBERS": " ".join(f"{item};" for item in declared),
+        "SCENE_PARAMETERS": ", ".join(declared),
+        "SCENE_BUNDLE": "{" + ", ".join([*SCENE_ARRAYS, "0u"]) + "}",
+    }
+
+
+def enumerations() -> dict[str, int]:
+    """Every number that has a name on both sides: NAME_OF_GROUP and NAME_OF_MEMBER in capitals."""
+    groups = {"ENDING": ENDINGS, "LOBE": [kind.name for kind in KINDS], "REFERENCE": REFERENCES}
+    return {f"{group}_{name.upper()}": i for group, names in groups.items() for i, name in enumerate(names)}
+
+
+def dispatch(kinds: Sequence[type[Lobe]]) -> dict[str, str]:
+    """The lists that the kernels' switches are made of: F(NUMBER, name) for each kind that the scene has."""
+    references = [name for name in REFERENCES if any(kind.reference == name for kind in kinds)]
+    return {
+        "LOBES(F)": " ".join(f"F(LOBE_{kind.name.upper()}, {kind.name})" for kind in kinds),
+        "REFERENCES(F)": " ".join(f"F(REFERENCE_{name.upper()}, {name})" for name in references),
+    }
+
+
+def files(kinds: Sequence[type[Lobe]]) -> dict[str, list[str]]:
+    """The kernel files behind those lists, by the word that stands for them in an ``#include``."""
+    references = [name for name in REFERENCES if any(kind.reference == name for kind in kinds)]
+    return {
+        "LOBE_FILES": [f"lobes/{kind.name}.cl" for kind in kinds],
+        "REFERENCE_FILES": [f"references/{name}.cl" for name in references],
+    }
+
+
+def chain_state(max_depth: int, vertex: np.dtype) -> list[Any]:
+    """A chain between launches; ``vertex`` is the declared dtype of CHAIN_VERTEX."""
+    return [
+        ("length", np.int32),
+        ("ending", np.int32),
+        ("light", np.int32),
+        ("slot", np.int32),
+        ("log_i", np.float64),
+        ("log_p", np.float64),
+        ("colour", *_F3),
+        ("vertex", vertex, (max_depth,)),
+    ]
+
+
+def chain_counters(max_depth: int) -> list[Any]:
+    """What a chain counts: entry 0 of ``proposed`` and ``acceptance`` is the large step, entry m the block of m.
+
+    ``trace`` is the film position where a launch left it.
+    """
+    return [
+        ("proposed", np.uint32, (max_depth + 1,)),
+        ("acceptance", np.float64, (max_depth + 1,)),
+        ("not_finite", np.uint32),
+        ("rays", np.uint32),
+        ("weight_sum", np.float64),
+        ("weight_square_sum", np.float64),
+        ("trace", np.float64, (2,)),
+    ]

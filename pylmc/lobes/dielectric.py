@@ -1,0 +1,51 @@
+"""The two lobes of a rough interface between dielectrics, which are one choice: the directions say which of them it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from .base import MIRROR, REFRACTED, Lobe
+
+FIELDS: list[Any] = [("alpha", np.float64), ("ior", np.float64), ("separable", np.int32)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class DielectricReflect(Lobe):
+    """``alpha``: GGX roughness. ``ior``: index of the inside over the outside's.
+
+    ``separable``: Smith's masking as a product, not height-correlated.
+    """
+
+    name: ClassVar[str] = "dielectric_reflect"
+    reference: ClassVar[str] = MIRROR
+    fields: ClassVar[list[Any]] = FIELDS
+    pair: ClassVar[int] = 1
+
+    alpha: float
+    ior: float
+    separable: bool = False
+
+    @property
+    def width(self) -> float:
+        return self.alpha
+
+
+@dataclass(frozen=True, kw_only=True)
+class DielectricTransmit(Lobe):
+    """As :class:`DielectricReflect`, which precedes it in the material."""
+
+    name: ClassVar[str] = "dielectric_transmit"
+    reference: ClassVar[str] = REFRACTED
+    fields: ClassVar[list[Any]] = FIELDS
+    pair: ClassVar[int] = -1
+
+    alpha: float
+    ior: float
+    separable: bool = False
+
+    @property
+    def width(self) -> float:
+        return self.alpha
