@@ -60,7 +60,9 @@ def _pyopencl_folder() -> Traversable:
 
 
 def _read(folder: Traversable, name: str) -> str | None:
-    path = folder.joinpath(*name.split("/"))
+    path = folder
+    for part in name.split("/"):  # the folder of an installed package without modules takes one at a time (Python 3.11)
+        path = path.joinpath(part)
     return path.read_text(encoding="utf-8") if path.is_file() else None
 
 
