@@ -1,5 +1,5 @@
 // A chain between launches: its path's random content (directions, lengths, triangles, lobes) and what is known of its
-// density. The struct is generated from pylmc/device/layout.py; the nodes are placed anew from triangle and barycentrics.
+// density. The struct is generated from pylmc/device/tables.py; the nodes are placed anew from triangle and barycentrics.
 #ifndef PYLMC_CHAIN_STATE
 #define PYLMC_CHAIN_STATE
 

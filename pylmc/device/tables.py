@@ -130,21 +130,24 @@ def enumerations() -> dict[str, int]:
     return {f"{group}_{name.upper()}": i for group, names in groups.items() for i, name in enumerate(names)}
 
 
+def _references(kinds: Sequence[type[Lobe]]) -> list[str]:
+    """The reference directions that these kinds of lobes have."""
+    return [name for name in REFERENCES if any(kind.reference == name for kind in kinds)]
+
+
 def dispatch(kinds: Sequence[type[Lobe]]) -> dict[str, str]:
     """The lists that the kernels' switches are made of: F(NUMBER, name) for each kind that the scene has."""
-    references = [name for name in REFERENCES if any(kind.reference == name for kind in kinds)]
     return {
         "LOBES(F)": " ".join(f"F(LOBE_{kind.name.upper()}, {kind.name})" for kind in kinds),
-        "REFERENCES(F)": " ".join(f"F(REFERENCE_{name.upper()}, {name})" for name in references),
+        "REFERENCES(F)": " ".join(f"F(REFERENCE_{name.upper()}, {name})" for name in _references(kinds)),
     }
 
 
 def files(kinds: Sequence[type[Lobe]]) -> dict[str, list[str]]:
     """The kernel files behind those lists, by the word that stands for them in an ``#include``."""
-    references = [name for name in REFERENCES if any(kind.reference == name for kind in kinds)]
     return {
         "LOBE_FILES": [f"lobes/{kind.name}.cl" for kind in kinds],
-        "REFERENCE_FILES": [f"references/{name}.cl" for name in references],
+        "REFERENCE_FILES": [f"references/{name}.cl" for name in _references(kinds)],
     }
 
 

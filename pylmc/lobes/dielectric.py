@@ -9,20 +9,15 @@ import numpy as np
 
 from .base import MIRROR, REFRACTED, Lobe
 
-FIELDS: list[Any] = [("alpha", np.float64), ("ior", np.float64), ("separable", np.int32)]
-
 
 @dataclass(frozen=True, kw_only=True)
-class DielectricReflect(Lobe):
-    """``alpha``: GGX roughness. ``ior``: index of the inside over the outside's.
+class Interface(Lobe):
+    """What both lobes have. ``alpha``: GGX roughness. ``ior``: index of the inside over the outside's.
 
     ``separable``: Smith's masking as a product, not height-correlated.
     """
 
-    name: ClassVar[str] = "dielectric_reflect"
-    reference: ClassVar[str] = MIRROR
-    fields: ClassVar[list[Any]] = FIELDS
-    pair: ClassVar[int] = 1
+    fields: ClassVar[list[Any]] = [("alpha", np.float64), ("ior", np.float64), ("separable", np.int32)]
 
     alpha: float
     ior: float
@@ -34,18 +29,18 @@ class DielectricReflect(Lobe):
 
 
 @dataclass(frozen=True, kw_only=True)
-class DielectricTransmit(Lobe):
-    """As :class:`DielectricReflect`, which precedes it in the material."""
+class DielectricReflect(Interface):
+    """The reflected part."""
+
+    name: ClassVar[str] = "dielectric_reflect"
+    reference: ClassVar[str] = MIRROR
+    pair: ClassVar[int] = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class DielectricTransmit(Interface):
+    """The refracted part, which follows the reflected one in the material."""
 
     name: ClassVar[str] = "dielectric_transmit"
     reference: ClassVar[str] = REFRACTED
-    fields: ClassVar[list[Any]] = FIELDS
     pair: ClassVar[int] = -1
-
-    alpha: float
-    ior: float
-    separable: bool = False
-
-    @property
-    def width(self) -> float:
-        return self.alpha

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-ENDINGS = ("connect", "hit")
+from ..device.tables import ENDINGS
 
 
 @dataclass

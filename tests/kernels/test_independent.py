@@ -22,7 +22,7 @@ from studies.agreement import ALPHA, SCENES, bdpt_batches, path_batches, same_me
 from studies.probes import edited_source
 
 import pylmc
-from pylmc.sampling.groups import ENDINGS
+from pylmc.device.tables import ENDINGS
 from pylmc.sampling.sampler import Sampler
 
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from pylmc.device.tables import SCENE_ARRAYS
+from pylmc.device.tables import ENDINGS, SCENE_ARRAYS
 from pylmc.sampling.evenness import GRID
 from pylmc.sampling.sampler import Sampler
 from pylmc.sampling.states import States
@@ -25,7 +25,6 @@ from pylmc.scene import Scene
 BINS = 16  # of a coordinate, with equal counts
 FEWEST = 400  # chains: groups with less are left out
 INDEPENDENT = 4  # a group takes part with at most this part of its candidates' effective number
-ENDINGS = ("connect", "hit")
 
 
 class Weighted(Sampler):

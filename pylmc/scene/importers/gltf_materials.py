@@ -10,11 +10,12 @@ import numpy as np
 from ...errors import PylmcError
 from ...picture.image import srgb_decode
 from ..materials import Material, MetallicRoughness
+from ..materials.metallic_roughness import SMOOTHEST
 from ..texture import Texture
 from ..values import RGB
 from .gltf_data import GltfData
 
-SMOOTHEST = math.sqrt(1e-3)  # roughness 0 is a perfect mirror, which no path meets by chance: alpha stays >= 1e-3
+SMOOTHEST_ROUGHNESS = math.sqrt(SMOOTHEST)
 LINEAR = srgb_decode(np.arange(256) / 255).astype(np.float32)  # of each 8-bit sRGB value
 
 
@@ -43,7 +44,7 @@ class GltfMaterials:
         material = MetallicRoughness(
             tint if lookup is None else self._texture(lookup, tint),
             min(max(metallic, 0.0), 1.0),
-            min(max(roughness, SMOOTHEST), 1.0),
+            min(max(roughness, SMOOTHEST_ROUGHNESS), 1.0),
         )
         extension = description.get("extensions", {}).get("KHR_materials_emissive_strength", {})
         glow = _colour(description.get("emissiveFactor", (0, 0, 0))) * float(extension.get("emissiveStrength", 1.0))
