@@ -30,11 +30,11 @@ def check_subset(name: str, values: Any, allowed: tuple[str, ...]) -> tuple[str,
     return tuple(value for value in allowed if value in chosen)
 
 
-def check_integer(name: str, value: Any, least: int, greatest: int) -> int:
-    """``value`` as an int; raises PylmcError unless it is a whole number in [least, greatest]."""
+def check_integer(name: str, value: Any, least: int, greatest: int, of: str = "") -> int:
+    """``value`` as an int; raises PylmcError unless it is a whole number (``of`` what) in [least, greatest]."""
     number = _number(value)
     if number is None or not least <= number <= greatest or number != int(number):
-        raise PylmcError(f"{name}={value!r}: give a whole number from {least} to {greatest}")
+        raise PylmcError(f"{name}={value!r}: give a whole number{of and f' of {of}'} from {least} to {greatest}")
     return int(value)
 
 
@@ -45,9 +45,9 @@ def check_flag(name: str, value: Any) -> bool:
     return bool(value)
 
 
-def check_number(name: str, value: Any, least: float, greatest: float) -> float:
-    """``value`` as a float; raises PylmcError unless it is a number in [least, greatest]."""
+def check_number(name: str, value: Any, least: float, greatest: float, noun: str = "number") -> float:
+    """``value`` as a float; raises PylmcError unless it is a number (a ``noun`` in the message) in [least, greatest]."""
     number = _number(value)
     if number is None or not least <= number <= greatest:
-        raise PylmcError(f"{name}={value!r}: give a number from {least:g} to {greatest:g}")
+        raise PylmcError(f"{name}={value!r}: give a {noun} from {least:g} to {greatest:g}")
     return number

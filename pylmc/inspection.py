@@ -10,18 +10,18 @@ from .constraints.plan import MAX_PORTALS, NARROW_ALPHA
 from .sampling.compiled import CompiledScene, compile_scene
 from .sampling.limits import limits
 from .scene import Scene
-from .settings import Settings
+from .settings import Settings, explained
 
 ENDING_WORDS = ("connect (to a point light)", "hit (an emitter)")
 
 
+@explained(Settings)
 def info(scene: Scene, precision: str = "single", **settings: Any) -> str:
     """Path lengths, lobes, constraints by kind and count, and what was left out and why; as lines of text.
 
-    ``precision``: whose limits are told (see :mod:`pylmc.sampling.limits`). The other keyword arguments are those of
-    :class:`pylmc.settings.Settings`. Needs no OpenCL device.
+    ``precision``: whose limits are told (see :mod:`pylmc.sampling.limits`). Needs no OpenCL device.
     """
-    chosen = Settings(**settings)
+    chosen = Settings.given(settings)
     compiled = compile_scene(scene, precision)
     plan, features = compiled.plan, compiled.features
     camera = scene.camera

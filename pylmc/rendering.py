@@ -10,7 +10,7 @@ import time
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -18,16 +18,16 @@ import numpy as np
 import pyopencl
 from tqdm import tqdm
 
-from .checks import check_choice, check_integer, check_number
 from .errors import PylmcError, PylmcWarning
 from .integrators import Integrator
 from .integrators.bdpt import Bidirectional
 from .integrators.lmc import LangevinMonteCarlo
 from .integrators.path import PathTracer
+from .options import check_names
 from .picture.statistics import LUMINANCE, relative_error
 from .sampling.sampler import Sampler
 from .scene import Scene
-from .settings import DEFAULT_SECONDS, INTEGRATORS
+from .settings import DEFAULT_SECONDS, Run, Settings, explained
 
 BATCHES = 16  # the error estimate compares this many parts of the run
 QUICK_SECONDS, QUICK_MUTATIONS = 10, 1 << 23  # shorter renders spend less on the start
@@ -93,6 +93,7 @@ def _gentle_interrupt() -> Iterator[threading.Event]:
         signal.signal(signal.SIGINT, before)
 
 
+@explained(Run, Settings)
 def render(
     scene: Scene,
     *,
@@ -102,37 +103,21 @@ def render(
     device: Any = None,
     precision: str = "single",
     integrator: str = "lmc",
-    max_depth: int = 8,
-    chart: str = "equal-area",
-    coordinates: str = "target",
-    rule: str = "sum",
-    drift: bool = False,
     progress: bool = True,
     **settings: Any,
 ) -> Render:
     """Render ``scene`` for ``seconds`` of run time, or ``mutations_per_pixel`` (samples, for bdpt and path).
 
-    Neither given: 60 seconds. ``seed`` and the work fix the picture on a given device. ``integrator``: ``lmc`` (chains),
-    ``bdpt`` (their independent sampler alone) or ``path`` (a path tracer). The rest are those of
-    :class:`pylmc.settings.Settings`; further ones may be given by name. Ctrl-C ends early with the picture so far and
-    ``diagnostics["interrupted"]`` set. Raises PylmcError for bad arguments, an unusable device, or a scene without light.
+    ``progress`` shows on stderr how far it is. Ctrl-C ends early with the picture so far and ``diagnostics["interrupted"]``
+    set. ``device`` may also be a ``pyopencl.Device``. Raises PylmcError for bad arguments, an unusable device, or a scene
+    without light.
     """
-    check_choice("integrator", integrator, INTEGRATORS)
-    _check_budget(seconds, mutations_per_pixel)
-    seed = check_integer("seed", seed, 0, 2**32 - 1)
+    check_names(settings, (*(item.name for item in fields(Run)), "progress", *Settings.names()))
+    run = Run(seconds, mutations_per_pixel, seed, device, precision, integrator)
+    seconds, seed = run.seconds, run.seed
     if seconds is None and mutations_per_pixel is None:
         seconds = DEFAULT_SECONDS
-    sampler = Sampler(
-        scene,
-        device=device,
-        precision=precision,
-        max_depth=max_depth,
-        chart=chart,
-        coordinates=coordinates,
-        rule=rule,
-        drift=drift,
-        **settings,
-    )
+    sampler = Sampler(scene, device=device, precision=precision, **settings)
     kinds: dict[str, Any] = {"lmc": LangevinMonteCarlo, "bdpt": Bidirectional, "path": PathTracer}
     worker: Integrator = kinds[integrator](sampler)
     with _gentle_interrupt() as asked:
@@ -149,7 +134,7 @@ def render(
             stacklevel=2,
         )
     variance = worker.variance()
-    run = worker.seconds["run"]
+    spent = worker.seconds["run"]
     diagnostics = {
         "scene_shapes": len(scene.shapes),
         "size": [scene.camera.width, scene.camera.height],
@@ -160,7 +145,7 @@ def render(
         "versions": _versions(),
         "interrupted": asked.is_set(),
         worker.unit: worker.done,
-        f"{worker.unit}_per_second": worker.done / run if run else 0.0,
+        f"{worker.unit}_per_second": worker.done / spent if spent else 0.0,
         **worker.diagnostics(),
         "mean_luminance": float((image @ LUMINANCE).mean()),
         "relative_error": relative_error(image, variance),
@@ -168,12 +153,12 @@ def render(
             "build": worker.seconds["build"],
             "compile": sampler.compile_seconds,
             "bootstrap": worker.seconds["bootstrap"],
-            "run": run,
+            "run": spent,
         },
     }
-    diagnostics["rays_per_second"] = diagnostics["rays"] / run if run else 0.0
+    diagnostics["rays_per_second"] = diagnostics["rays"] / spent if spent else 0.0
     if diagnostics.get("ess"):
-        diagnostics["ess_per_second"] = diagnostics["ess"] / run
+        diagnostics["ess_per_second"] = diagnostics["ess"] / spent
     _warn_of_range(image)
     single = np.nan_to_num(np.clip(image, 0, np.finfo(np.float32).max)).astype(np.float32)
     return Render(single, diagnostics, variance)
@@ -196,14 +181,6 @@ def _warn_of_range(image: np.ndarray) -> None:
             PylmcWarning,
             stacklevel=3,
         )
-
-
-def _check_budget(seconds: float | None, mutations_per_pixel: float | None) -> None:
-    if seconds is not None and mutations_per_pixel is not None:
-        raise PylmcError("give seconds or mutations_per_pixel, not both")
-    for name, value in (("seconds", seconds), ("mutations_per_pixel", mutations_per_pixel)):
-        if value is not None:
-            check_number(name, value, 1e-9, 1e9)
 
 
 def _run(worker: Integrator, seconds: float | None, work: float | None, progress: bool, asked: threading.Event) -> None:

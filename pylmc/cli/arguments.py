@@ -3,25 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import math
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import Field, fields
 from pathlib import Path
 from typing import Any, NoReturn
 
 from ..errors import PylmcError
-from ..settings import (
-    CHARTS,
-    CONSTRAINTS,
-    COORDINATES,
-    DEFAULT_SECONDS,
-    DIFFERENTIALS,
-    INTEGRATORS,
-    MATHS,
-    MAX_DEPTH,
-    PRECISIONS,
-    RULES,
-)
+from ..options import Choice, Flag, Kind, default_words, flag
+from ..settings import Run, Settings
 
 EPILOG = """\
 examples:
@@ -35,20 +25,15 @@ examples:
 SCENE is a built-in scene (`pylmc scenes` lists them), such as keyhole, with parameters after a colon if wanted:
 keyhole:hole=0.01,alpha=0.005; or the path of a .gltf or .glb file.
 
-`pylmc COMMAND --help` explains a command. Bad input gives one line on stderr and exit code 2.
-"""
+`pylmc COMMAND --help` explains a command.
 
-CHAIN_OPTIONS = (
-    "chart",
-    "coordinates",
-    "rule",
-    "drift",
-    "large_steps",
-    "step_length",
-    "blocks",
-    "constraints",
-    "differentials",
-)
+exit codes:
+  0    done
+  1    done, but stdout could not be written: it is closed or full (a picture is written all the same)
+  2    bad input, or a file or device that cannot be used: one line on stderr says what and what to do
+  130  ended by Ctrl-C (SIGINT); 143 by SIGTERM, 129 by SIGHUP: `render` writes the picture so far, and says so; a
+       second signal ends it at once
+"""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -78,52 +63,64 @@ def _size(text: str) -> tuple[int, int]:
     return int(match[1]), int(match[2])
 
 
-def _positive(text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not (math.isfinite(number) and number > 0):
-        raise argparse.ArgumentTypeError(f"'{text}' is not a positive number")
-    return number
+def _reader(item: Field[Any]) -> Callable[[str], Any]:
+    """What argparse calls with the text given for an option: its value, checked as the API checks it."""
+    kind: Kind = item.metadata["kind"]
+
+    def read(text: str) -> Any:
+        try:
+            value = kind.read(text)
+        except (ValueError, KeyError):
+            value = text  # which the check complains about
+        try:
+            return kind.check(item.name, value)
+        except PylmcError as error:
+            raise argparse.ArgumentTypeError(str(error)) from None
+
+    return read
 
 
-def _depth(text: str) -> int:
-    if not text.isdecimal() or not 1 <= int(text) <= MAX_DEPTH:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a path length; give a number of segments, 1 to {MAX_DEPTH}")
-    return int(text)
+def _add_option(parser: Any, item: Field[Any]) -> None:
+    """An argument for a field of Settings or Run; None where it is not given, so that the API's default counts."""
+    kind, metavar = item.metadata["kind"], item.metadata["metavar"]
+    help = f"{item.metadata['help']} (default: {default_words(item)})".replace("%", "%%")
+    name = f"--{flag(item.name)}"
+    if isinstance(kind, Flag):
+        parser.add_argument(name, action=argparse.BooleanOptionalAction, default=None, help=help)
+        return
+    if isinstance(kind, Choice):
+        metavar = f"{{{','.join(kind.allowed)}}}"
+    parser.add_argument(name, type=_reader(item), metavar=metavar, help=help)
 
 
-def _probability(text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not 0 <= number <= 1:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a probability; give a number from 0 to 1")
-    return number
+def _add_settings(parser: argparse.ArgumentParser) -> None:
+    """All of Settings, grouped by the integrators that they concern."""
+    groups: dict[tuple[str, ...], Any] = {}
+    for item in fields(Settings):
+        concerned = item.metadata["integrators"]
+        if concerned not in groups:
+            title = f"how light is sampled, with --integrator {' or '.join(concerned)}" if concerned else "how light is sampled"
+            groups[concerned] = parser.add_argument_group(title)
+        _add_option(groups[concerned], item)
 
 
-def _step(text: str) -> tuple[float, float]:
-    try:
-        low, high = (float(part) for part in text.split(","))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"'{text}' is no pair of step lengths; give two such as 0.01,0.3") from None
-    return low, high
+def given(options: argparse.Namespace, kind: type) -> dict[str, Any]:
+    """Those of the fields of ``kind`` (Settings or Run) that were given, for the API, which knows the defaults."""
+    names = [item.name for item in fields(kind)]
+    return {name: getattr(options, name) for name in names if getattr(options, name, None) is not None}
 
 
-def _constraints(text: str) -> tuple[str, ...]:
-    kinds = () if text == "none" else tuple(text.split(","))
-    for kind in kinds:
-        if kind not in CONSTRAINTS:
-            raise argparse.ArgumentTypeError(f"'{kind}' is no constraint; give some of {','.join(CONSTRAINTS)}, or none")
-    return kinds
-
-
-def _seed(text: str) -> int:
-    if not text.isdecimal() or int(text) >= 2**32:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a seed; give a whole number from 0 to {2**32 - 1}")
-    return int(text)
+def refuse_what_does_not_concern(options: argparse.Namespace) -> None:
+    """Raise PylmcError for a setting that has no meaning with the chosen integrator."""
+    integrator = given(options, Run).get("integrator", Run.integrator)
+    chosen = given(options, Settings)
+    for item in fields(Settings):
+        concerned = item.metadata["integrators"]
+        if item.name in chosen and concerned and integrator not in concerned:
+            raise PylmcError(
+                f"--{flag(item.name)} has no meaning with --integrator {integrator}, only with {' or '.join(concerned)}; "
+                "leave one of them out"
+            )
 
 
 def build_parser(run: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.ArgumentParser:
@@ -151,7 +148,7 @@ def build_parser(run: Mapping[str, Callable[[argparse.Namespace], int]]) -> argp
     render = command(
         "render",
         "draw a scene and write OUT.exr, OUT.png and OUT.json",
-        " Ctrl-C ends it early and still writes the picture so far (exit code 130).",
+        " Ctrl-C, SIGTERM and SIGHUP end it early and still write the picture so far (exit codes 130, 143, 129).",
     )
     _add_scene(render)
     render.add_argument(
@@ -163,46 +160,15 @@ def build_parser(run: Mapping[str, Callable[[argparse.Namespace], int]]) -> argp
         "(default: the scene's name in this folder)",
     )
     effort = render.add_mutually_exclusive_group()
-    effort.add_argument(
-        "--seconds",
-        type=_positive,
-        metavar="S",
-        help=f"time to sample, in seconds, set-up excluded (default: {DEFAULT_SECONDS:g})",
-    )
-    effort.add_argument(
-        "--mutations-per-pixel",
-        type=_positive,
-        metavar="M",
-        help="effort instead of time: Markov-chain steps, or samples, per pixel",
-    )
-    render.add_argument("--seed", type=_seed, default=0, metavar="N", help="of the random numbers (default: 0)")
-    render.add_argument(
-        "--device",
-        metavar="SPEC",
-        help="cpu, gpu, an index or part of a name, as `pylmc devices` shows them (default: "
-        "PYOPENCL_CTX if set, else the first GPU, else the first CPU)",
-    )
-    _add_precision(render)
-    render.add_argument(
-        "--math",
-        choices=MATHS,
-        help="exact, or what may be shortened: relaxed (the compiler reorders, contracts), fast (and "
-        "forgets infinities), native (short exp, log, sin, cos, roots) (default: exact)",
-    )
-    render.add_argument(
-        "--integrator",
-        choices=INTEGRATORS,
-        default="lmc",
-        help="Markov chains (lmc), their independent bidirectional sampler alone (bdpt), or a "
-        "unidirectional path tracer (path) (default: lmc)",
-    )
-    _add_chain(render)
-    render.add_argument("--quiet", action="store_true", help="no progress bar and no report")
+    for item in fields(Run):
+        _add_option(effort if item.name in ("seconds", "mutations_per_pixel") else render, item)
+    render.add_argument("--quiet", action="store_true", help="no progress and no report")
+    _add_settings(render)
 
     info = command("info", "say how a scene would be sampled: path lengths, lobes, constraints")
     _add_scene(info)
-    _add_precision(info)
-    _add_chain(info)
+    _add_option(info, next(item for item in fields(Run) if item.name == "precision"))
+    _add_settings(info)
 
     compare = command(
         "compare", "measure how far picture A.exr is from the reference B.exr", " Prints relMSE, MSE, MAE, SMAPE and FLIP."
@@ -224,61 +190,5 @@ def _add_scene(parser: argparse.ArgumentParser) -> None:
         "keyhole:hole=0.01,alpha=0.005; or a .gltf or .glb file",
     )
     parser.add_argument("--size", type=_size, metavar="WxH", help="of the film, in pixels (default: the scene's)")
-    parser.add_argument(
-        "--max-depth",
-        type=_depth,
-        default=8,
-        metavar="K",
-        help=f"longest light path, in segments, 1 to {MAX_DEPTH} (default: 8)",
-    )
     parser.add_argument("--auto-camera", action="store_true", help="frame a file's scene that has no camera")
     parser.add_argument("--auto-light", action="store_true", help="light a file's scene that has no light")
-
-
-def _add_precision(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--precision",
-        choices=PRECISIONS,
-        default="single",
-        help="single (the fastest), mixed (rays in float32, all else in float64, or in pairs of floats "
-        "where the device has no 64-bit floats), double (all in float64), float-float (mixed by "
-        "pairs of floats) (default: single)",
-    )
-
-
-def _add_chain(parser: argparse.ArgumentParser) -> None:
-    chain = parser.add_argument_group("the Markov chain (with --integrator lmc)")
-    chain.add_argument(
-        "--chart", choices=CHARTS, help="of the deviations from a lobe's reference direction (default: equal-area)"
-    )
-    chain.add_argument(
-        "--coordinates", choices=COORDINATES, help="target charts where they help, or deviations everywhere (default: target)"
-    )
-    chain.add_argument("--rule", choices=RULES, help="how constraints are combined (default: sum)")
-    chain.add_argument(
-        "--drift", action="store_true", default=None, help="let proposals drift along the gradient (default: off)"
-    )
-    chain.add_argument(
-        "--large-steps", type=_probability, metavar="P", help="probability of an independent step (default: 0.2)"
-    )
-    chain.add_argument(
-        "--step-length",
-        type=_step,
-        metavar="LEAST,GREATEST",
-        help="bounds of the small steps' length h, drawn log-uniformly (default: 0.01,0.3)",
-    )
-    chain.add_argument(
-        "--blocks",
-        action=argparse.BooleanOptionalAction,
-        default=None,
-        help="let small steps move a leading part of the path only (default: --blocks)",
-    )
-    chain.add_argument(
-        "--constraints",
-        type=_constraints,
-        metavar="KINDS",
-        help=f"what shapes proposals: some of {','.join(CONSTRAINTS)}, or none (default: all)",
-    )
-    chain.add_argument(
-        "--differentials", choices=DIFFERENTIALS, help="full, or reduced: normals and frames taken as fixed (default: full)"
-    )

@@ -23,8 +23,8 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import PylmcError, PylmcWarning
-from ..settings import DEFAULT_SECONDS
-from .arguments import CHAIN_OPTIONS, build_parser
+from ..settings import Run, Settings
+from .arguments import build_parser, given, refuse_what_does_not_concern
 
 __all__ = ["main"]
 
@@ -93,7 +93,7 @@ def _import(*modules: str) -> None:
 
 
 def _render(options: argparse.Namespace) -> int:
-    _refuse_contradictions(options)
+    refuse_what_does_not_concern(options)
     _import("scene.loading", "rendering")
     scene_name, parameters = parse_scene(options.scene)
     output = check_output(options.output or Path(f"{Path(scene_name).stem}.exr"))
@@ -103,21 +103,7 @@ def _render(options: argparse.Namespace) -> int:
 
     survey.select(options.device)  # complain about the device before a scene is loaded
     scene = _load(options, scene_name, parameters)
-    seconds = options.seconds
-    if seconds is None and options.mutations_per_pixel is None:
-        seconds = DEFAULT_SECONDS
-    picture = pylmc.render(
-        scene,
-        seconds=seconds,
-        mutations_per_pixel=options.mutations_per_pixel,
-        seed=options.seed,
-        device=options.device,
-        precision=options.precision,
-        integrator=options.integrator,
-        max_depth=options.max_depth,
-        progress=not options.quiet,
-        **_sampler_options(options),
-    )
+    picture = pylmc.render(scene, progress=not options.quiet, **given(options, Run), **given(options, Settings))
     interrupted = bool(picture.diagnostics.get("interrupted"))
     if interrupted and 0 in (picture.diagnostics.get("mutations"), picture.diagnostics.get("samples")):
         raise KeyboardInterrupt  # a black picture must not replace an earlier one
@@ -139,7 +125,7 @@ def _info(options: argparse.Namespace) -> int:
     import pylmc
 
     scene = _load(options, scene_name, parameters)
-    print(pylmc.info(scene, precision=options.precision, max_depth=options.max_depth, **_sampler_options(options)))
+    print(pylmc.info(scene, **given(options, Run), **given(options, Settings)))
     return 0
 
 
@@ -270,19 +256,3 @@ def check_output(path: Path, endings: tuple[str, ...] = (".exr",)) -> Path:
     if not os.access(folder, os.W_OK | os.X_OK):
         raise PylmcError(f"output '{path}': the folder {folder} may not be written to")
     return path
-
-
-def _refuse_contradictions(options: argparse.Namespace) -> None:
-    if options.integrator != "lmc":
-        for name in CHAIN_OPTIONS:
-            if getattr(options, name) is not None:
-                raise PylmcError(
-                    f"--{name.replace('_', '-')} is about the Markov chain and has no meaning with "
-                    f"--integrator {options.integrator}; leave one of them out"
-                )
-
-
-def _sampler_options(options: argparse.Namespace) -> dict[str, Any]:
-    """Those options of the Markov chain that were given; the API knows the defaults of the others."""
-    names = (*CHAIN_OPTIONS, "math")
-    return {name: getattr(options, name) for name in names if getattr(options, name, None) is not None}

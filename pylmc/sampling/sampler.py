@@ -17,7 +17,7 @@ from ..device import tables
 from ..device.device_scene import DeviceScene
 from ..errors import PylmcError, PylmcWarning
 from ..scene import Scene
-from ..settings import Settings
+from ..settings import Settings, explained
 from .compiled import compile_scene
 from .evenness import GRID, even_weights
 from .groups import Group
@@ -30,21 +30,19 @@ PILOT_FROM = 1 << 31  # numbers of the pilot's paths, beyond those of any start'
 FILM_SCALE = 2.0**24  # of film.cl
 
 
+@explained(Settings)
 class Sampler:
-    """Chains over a scene's light paths. Keyword arguments are those of :class:`pylmc.settings.Settings`.
+    """Chains over a scene's light paths.
 
     Warns (PylmcWarning) of what ``precision`` cannot be right about. Raises PylmcError for unknown settings, a device that
     is not there, and scenes in which no light path is found.
     """
 
     def __init__(self, scene: Scene, *, device: Any = None, precision: str = "single", **settings: Any) -> None:
-        unknown = sorted(set(settings) - set(Settings.names()))
-        if unknown:
-            raise PylmcError(f"unknown setting '{unknown[0]}'; choose from {', '.join(Settings.names())}")
+        self.settings = Settings.given(settings)
         if not isinstance(scene, Scene):
             raise PylmcError(f"{scene!r} is not a Scene; pylmc.load(name) makes one from a name or a file")
         self.scene = scene
-        self.settings = Settings(**settings)
         start = time.perf_counter()
         self.compiled = compile_scene(scene, precision)
         for sentence in limits(scene, self.compiled, precision):
