@@ -111,6 +111,22 @@ class Settings:
         "how directions follow a moving path: full, or reduced, which takes normals and frames as fixed",
         integrators=CHAINS,
     )
+    chains: int | None = option(
+        None,
+        Integer(1, 1 << 24),
+        "how many chains run side by side",
+        metavar="N",
+        unset="4096, and 65536 in a render on a GPU",
+        integrators=CHAINS,
+    )
+    candidates: int | None = option(
+        None,
+        Integer(1, 1 << 30),
+        "independent paths of each length and ending from which the chains' start is drawn",
+        metavar="N",
+        unset=f"{1 << 18}, and {1 << 16} in a short render",
+        integrators=CHAINS,
+    )
 
     def __post_init__(self) -> None:
         check_all(self)

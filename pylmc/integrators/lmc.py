@@ -29,8 +29,9 @@ class LangevinMonteCarlo:
 
     def prepare(self, seed: int, quick: bool, candidates: int | None = None) -> None:
         gpu = self.sampler.device_scene.device.type & cl.device_type.GPU
-        candidates = candidates or (1 << 16 if quick else 1 << 18)
-        self.sampler.init(seed, CHAINS_GPU if gpu else CHAINS_CPU, candidates)
+        chosen = self.sampler.settings
+        candidates = candidates or chosen.candidates or (1 << 16 if quick else 1 << 18)
+        self.sampler.init(seed, chosen.chains or (CHAINS_GPU if gpu else CHAINS_CPU), candidates)
         depth = self.sampler.settings.max_depth
         self.proposed = np.zeros((len(self.sampler.groups), depth + 1))
         self.acceptance = np.zeros_like(self.proposed)

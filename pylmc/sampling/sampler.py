@@ -25,6 +25,7 @@ from .limits import limits
 from .states import Counters, States, Trial
 
 STEPS_PER_LAUNCH = 32
+CHAINS, CANDIDATES = 4096, 1 << 18  # of a start that is told neither
 CANDIDATES_PER_LAUNCH = 1 << 17
 PILOT_FROM = 1 << 31  # numbers of the pilot's paths, beyond those of any start's candidates
 FILM_SCALE = 2.0**24  # of film.cl
@@ -125,14 +126,20 @@ class Sampler:
         self.seconds["bootstrap"] += time.perf_counter() - start
         return groups
 
-    def init(self, seed: int = 0, chains: int = 4096, candidates: int = 1 << 18) -> list[Group]:
+    def init(self, seed: int = 0, chains: int | None = None, candidates: int | None = None) -> list[Group]:
         """Start ``chains`` chains in their density: resample the candidates in proportion to their weights.
 
-        Chains are shared out among the groups in proportion to b; a group in which no light was found has none. The
+        ``chains`` and ``candidates`` are those of the settings if not given here. The chains
+        are shared out among the groups in proportion to b; a group in which no light was found has none. The
         same seed gives the same chains. Returns the groups.
         """
         seed = check_integer("seed", seed, 0, 2**32 - 1)
-        chains, candidates = check_integer("chains", chains, 1, 1 << 24), check_integer("candidates", candidates, 1, 1 << 30)
+        if chains is None:
+            chains = self.settings.chains or CHAINS
+        chains = check_integer("chains", chains, 1, 1 << 24)
+        if candidates is None:
+            candidates = self.settings.candidates or CANDIDATES
+        candidates = check_integer("candidates", candidates, 1, 1 << 30)
         self.device_scene.set_evenness(np.ones((GRID, GRID), np.float32))
         if self.settings.even:
             self._weight_density(max(candidates // 4, 1))

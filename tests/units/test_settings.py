@@ -30,6 +30,8 @@ OTHER: dict[str, tuple[Any, list[str]]] = {
     "blocks": (False, []),
     "constraints": ((), ["none"]),
     "differentials": ("reduced", ["reduced"]),
+    "chains": (100, ["100"]),
+    "candidates": (1000, ["1000"]),
 }
 
 
@@ -79,6 +81,7 @@ def test_values_become_plain_python() -> None:
         ({"drift": "no"}, "True or False"),
         ({"step_length": (0.3, 0.01)}, r"step_length\[1\]"),
         ({"step_length": 0.3}, "two numbers"),
+        ({"chains": 0}, "whole number from 1"),
         ({"max_depth": 33}, "whole number of segments from 1 to 32"),
         ({"large_steps": float("nan")}, "probability from 0 to 1"),
         ({"math": "wild"}, "exact, relaxed, fast, native"),
@@ -92,6 +95,14 @@ def test_what_is_refused(wrong: dict[str, Any], part: str) -> None:
 def test_render_knows_its_own_names_too() -> None:
     with pytest.raises(PylmcError, match="did you mean 'seconds'"):
         pylmc.render(pylmc.load("box"), second=3)
+
+
+def test_chains_start_as_the_settings_say() -> None:
+    sampler = Sampler(pylmc.load("box"), max_depth=2, chains=100, candidates=1000)
+    groups = sampler.init(seed=1)
+    assert sum(group.chains for group in groups) == 100 and {group.weighed for group in groups} == {1000}
+    groups = sampler.init(seed=1, chains=200, candidates=500)
+    assert sum(group.chains for group in groups) == 200 and {group.weighed for group in groups} == {500}
 
 
 def test_the_page_is_up_to_date() -> None:
