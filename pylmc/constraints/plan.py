@@ -87,7 +87,7 @@ def plan_constraints(scene: Scene, objects: Sequence[SceneObject], portals: Sequ
     if len(aimed) > MAX_AIMED_OBJECTS:
         left_out.append(f"aiming at {len(aimed)} small objects: more than {MAX_AIMED_OBJECTS}, none is special")
         aimed = []
-    curved = sum(shape.vertex_normals() is not None for shape in scene.shapes)
+    curved = sum(bool(shape.smooth) for shape in scene.shapes)
     return ConstraintPlan(
         narrow,
         len(glossy),

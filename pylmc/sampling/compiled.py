@@ -131,8 +131,7 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
 
 
 def _part(shape: Shape) -> Part:
-    mesh = shape.mesh
-    return Part(mesh.vertices, mesh.faces, shape.vertex_normals(), shape.uv if shape.textured else None)
+    return Part(shape.vertices, shape.faces, shape.vertex_normals(), shape.uv if shape.textured else None)
 
 
 def _all_portals(scene: Scene, mesh: Mesh) -> tuple[Portal, ...]:

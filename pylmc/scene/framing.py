@@ -20,7 +20,7 @@ KEY_SHARE = 0.65  # of the irradiance at the scene's middle; the fill light give
 
 def frame(shapes: Sequence[Shape], width: int, height: int) -> Camera:
     """A camera that sees all of ``shapes`` from the front, to the right and above (y is up)."""
-    points = np.concatenate([np.asarray(shape.mesh.vertices, dtype=np.float64) for shape in shapes])
+    points = np.concatenate([shape.vertices for shape in shapes])
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
     back = np.array([math.sin(AZIMUTH) * math.cos(ELEVATION), math.sin(ELEVATION), math.cos(AZIMUTH) * math.cos(ELEVATION)])
     right, up, _ = Camera(middle + back, middle, fov=FOV, width=width, height=height).axes()
@@ -39,7 +39,7 @@ def light_quads(shapes: Sequence[Shape], camera: Camera) -> list[Shape]:
     Together they give a surface of reflectance 0.5 in the scene's middle, facing them, a radiance of about 0.5. Where
     the camera stands within the scene, as in a room, both stay within the free space around it.
     """
-    corners = np.concatenate([shape.mesh.bounds for shape in shapes])
+    corners = np.concatenate([shape.bounds() for shape in shapes])
     low, high = corners.min(axis=0), corners.max(axis=0)
     middle, radius = (low + high) / 2, float(np.linalg.norm(high - low)) / 2
     right, up, forward = camera.axes()
@@ -115,7 +115,7 @@ def _free_distance(shapes: Sequence[Shape], origin: np.ndarray, direction: np.nd
     """How far a ray gets before it meets a triangle; infinite if it never does (Möller and Trumbore's test)."""
     nearest = math.inf
     for shape in shapes:
-        corners = np.asarray(shape.mesh.vertices, dtype=np.float64)[shape.mesh.faces]
+        corners = shape.vertices[shape.faces]
         edge1, edge2, offset = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], origin - corners[:, 0]
         p = np.cross(direction, edge2)
         q = np.cross(offset, edge1)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import PylmcError
-from .values import as_point
+from .values import as_point, real_numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +24,7 @@ class Portal:
         for name in ("centre", "normal", "axis"):
             object.__setattr__(self, name, as_point(getattr(self, name), f"Portal.{name}"))
         try:
-            half = np.broadcast_to(np.asarray(self.half_size, dtype=np.float64), 2)
+            half = np.broadcast_to(real_numbers(self.half_size), 2)
         except (TypeError, ValueError):
             raise PylmcError(f"Portal.half_size={self.half_size!r}: give one positive number or two") from None
         if not np.all(np.isfinite(half)) or np.any(half <= 0):
@@ -34,7 +34,7 @@ class Portal:
             raise PylmcError("Portal.normal has length zero")
         normal = self.normal / n
         axis = self.axis - (self.axis @ normal) * normal
-        if not np.linalg.norm(axis) > 1e-9:
+        if not np.linalg.norm(axis) > 1e-9 * np.linalg.norm(self.axis):
             raise PylmcError("Portal.axis is parallel to its normal; give a vector in the hole's plane")
         object.__setattr__(self, "normal", normal)
         object.__setattr__(self, "axis", axis / np.linalg.norm(axis))

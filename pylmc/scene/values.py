@@ -15,15 +15,40 @@ BRIGHTEST = 1e36  # light in the scene's units; pictures are float32
 MAX_COORDINATE = 1e15  # beyond it nothing is left of a scene after its centre is subtracted
 
 
+def real_numbers(value: Any) -> np.ndarray:
+    """A float64 copy of an array of real numbers. Raises TypeError or ValueError for all else, such as text."""
+    given = np.asarray(value)
+    if given.dtype.kind not in "biufO":
+        raise TypeError(f"{given.dtype} is no type of real numbers")
+    return np.array(given, dtype=np.float64)
+
+
+def fixed(array: np.ndarray) -> np.ndarray:
+    """The array, made unwritable: a scene's parts are values."""
+    array.flags.writeable = False
+    return array
+
+
+def as_rows(value: Any, rows: int, columns: int, what: str) -> np.ndarray:
+    """A float64 copy (rows, columns) of one row of real numbers per vertex, or a PylmcError naming ``what``."""
+    try:
+        array = real_numbers(value)
+    except (TypeError, ValueError) as error:
+        raise PylmcError(f"{what} must be an array of numbers ({rows}, {columns}): {error}") from None
+    if array.shape != (rows, columns):
+        raise PylmcError(f"{what} have shape {array.shape}; expected ({rows}, {columns}), a row for each vertex")
+    return array
+
+
 def as_point(value: Any, what: str) -> np.ndarray:
     """Three finite numbers as a float64 array, or a PylmcError naming ``what``."""
     try:
-        point = np.asarray(value, dtype=np.float64).reshape(-1)
+        point = real_numbers(value).reshape(-1)
     except (TypeError, ValueError):
         raise PylmcError(f"{what}: {value!r} is not a point; give three numbers") from None
     if point.shape != (3,) or not np.all(np.abs(point) <= MAX_COORDINATE):
         raise PylmcError(f"{what}: {value!r} is not a point; give three numbers, none beyond {MAX_COORDINATE:g}")
-    return point
+    return fixed(point)
 
 
 def as_list(value: Any, what: str, kind: type) -> tuple[Any, ...]:
@@ -42,7 +67,7 @@ def as_list(value: Any, what: str, kind: type) -> tuple[Any, ...]:
 def as_rgb(value: Any, what: str, upper: float | None = None) -> RGB:
     """A grey level or three numbers as linear RGB; raises PylmcError naming ``what`` if that cannot be."""
     try:
-        rgb = np.broadcast_to(np.asarray(value, dtype=np.float64), 3)
+        rgb = np.broadcast_to(real_numbers(value), 3)
     except (TypeError, ValueError):
         raise PylmcError(f"{what}: {value!r} is not a colour; give one number or three (linear RGB)") from None
     if not np.all((rgb >= 0) & (rgb <= BRIGHTEST)):

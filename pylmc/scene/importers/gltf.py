@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import trimesh
 
 from ...errors import PylmcError
 from .. import Camera, PointLight, Scene, Shape
 from ..framing import frame, light_quads
+from ..shape import mean_normals
 from .gltf_data import GltfData
 from .gltf_materials import GltfMaterials
 
@@ -41,7 +41,8 @@ def load_gltf(
     """
     path = Path(path)
     try:
-        return _Importer(GltfData(path)).scene(auto_camera, auto_light, width, height)
+        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused by name where it ends up
+            return _Importer(GltfData(path)).scene(auto_camera, auto_light, width, height)
     except PylmcError as error:
         raise PylmcError(f"{path}: {error}") from None
     except OSError as error:
@@ -181,12 +182,8 @@ class _Importer:
             normals = _repaired(normals, vertices, faces)
 
         material, emission, lookup = self.materials.read(primitive.get("material"))
-        visual = None
-        if lookup is not None:
-            uv = self._texture_coordinates(attributes, lookup, len(vertices), name)
-            visual = trimesh.visual.TextureVisuals(uv=uv)
-        mesh = trimesh.Trimesh(vertices, faces, vertex_normals=normals, visual=visual, process=False)
-        self.shapes.append(Shape(mesh, material, emission, name, smooth=normals is not None))
+        uv = None if lookup is None else self._texture_coordinates(attributes, lookup, len(vertices), name)
+        self.shapes.append(Shape((vertices, faces), material, emission, name, normals=normals, uv=uv))
 
     def _texture_coordinates(self, attributes: dict, lookup: dict, count: int, name: str) -> np.ndarray:
         """Coordinates (vertices, 2) with v upwards; glTF counts it downwards."""
@@ -205,7 +202,7 @@ class _Importer:
 
 
 def _bounds(shapes: list[Shape]) -> tuple[np.ndarray, np.ndarray]:
-    corners = np.concatenate([shape.mesh.bounds for shape in shapes])
+    corners = np.concatenate([shape.bounds() for shape in shapes])
     return corners.min(axis=0), corners.max(axis=0)
 
 
@@ -222,15 +219,14 @@ def _triangles(order: np.ndarray, mode: int) -> np.ndarray:
 
 
 def _repaired(normals: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Unit normals (vertices, 3); those without a length get the mean of their faces'."""
+    """Normals (vertices, 3) in which those without a length have become the mean of their faces'."""
     if normals.shape != vertices.shape:
         raise PylmcError(f"{len(normals)} normals for {len(vertices)} vertices; export the file again")
-    length = np.linalg.norm(normals, axis=1)
-    bad = ~(np.isfinite(length) & (length > 0))
+    bad = np.linalg.norm(normals, axis=1) == 0
     if bad.any():
-        normals = np.where(bad[:, None], trimesh.Trimesh(vertices, faces, process=False).vertex_normals, normals)
-        length = np.linalg.norm(normals, axis=1)
-    return np.where(length[:, None] > 0, normals / np.where(length > 0, length, 1.0)[:, None], (0.0, 0.0, 1.0))
+        normals = np.where(bad[:, None], mean_normals(vertices, faces), normals)
+        bad = np.linalg.norm(normals, axis=1) == 0
+    return np.where(bad[:, None], (0.0, 0.0, 1.0), normals)
 
 
 def _local_transform(node: dict[str, Any]) -> np.ndarray:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import trimesh
 
 from pylmc.integrators.bdpt import Bidirectional
 from pylmc.integrators.path import PathTracer
@@ -28,9 +27,8 @@ def pylmc_scene(description: Description, masking: str = "separable") -> Scene:
     """The description as a pylmc scene."""
     shapes = []
     for surface in description.surfaces:
-        mesh = trimesh.Trimesh(surface.vertices, surface.faces, vertex_normals=surface.normals, process=False)
-        smooth = surface.normals is not None
-        shapes.append(Shape(mesh, material(surface.material, masking), surface.emission, smooth=smooth))
+        mesh = (surface.vertices, surface.faces)
+        shapes.append(Shape(mesh, material(surface.material, masking), surface.emission, normals=surface.normals))
     view = description.view
     width, height = view.size
     camera = Camera(view.origin, view.target, view.up, view.fov, width, height)

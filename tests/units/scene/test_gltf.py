@@ -209,6 +209,35 @@ def test_base_colour_texture(tmp_path):
     np.testing.assert_allclose(shape.uv, [[0, 1], [1, 1], [1, 0], [0, 0]])
 
 
+def test_normals_without_a_length_are_the_faces_mean(tmp_path):
+    shape = first(Builder().square(NORMAL=[[0, 0, 0], [0, 0.6, 0.8], [0, 0, 0], [0, 0.6, 0.8]]), tmp_path)
+    np.testing.assert_allclose(shape.vertex_normals(), [[0, 0, 1], [0, 0.6, 0.8], [0, 0, 1], [0, 0.6, 0.8]], atol=1e-6)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+@pytest.mark.parametrize(
+    ("attribute", "width", "named"), [("NORMAL", 3, "the normal"), ("TEXCOORD_0", 2, "the texture coordinates")]
+)
+def test_attributes_that_are_no_numbers_are_named(tmp_path, attribute, width, named, bad):
+    values = np.ones((4, width))
+    values[1, 0] = bad
+    material = {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}
+    builder = Builder(materials=[material]).square(material=0, **{"TEXCOORD_0": np.zeros((4, 2)), attribute: values})
+    with pytest.raises(PylmcError, match=rf"a\.glb: shape '.*/0': {named} of vertex 1"):
+        first(builder.image(np.zeros((1, 1, 3))), tmp_path)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("transform", [{"rotation": float("nan")}, {"scale": [1e308, 1]}, {"offset": [float("inf"), 0]}])
+def test_texture_transforms_that_lead_nowhere_are_named(tmp_path, transform):
+    lookup = {"index": 0, "extensions": {"KHR_texture_transform": transform}}
+    builder = Builder(materials=[{"pbrMetallicRoughness": {"baseColorTexture": lookup}}])
+    builder.square(material=0, TEXCOORD_0=[[0, 0], [1, 0], [1, 1], [0, 1]]).image(np.zeros((1, 1, 3)))
+    with pytest.raises(PylmcError, match=r"a\.glb: shape '.*/0': the texture coordinates of vertex"):
+        first(builder, tmp_path)
+
+
 def test_texture_transform(tmp_path):
     """A quarter turn counter-clockwise in the picture, whose v runs down: (1, 0) goes to (0, -1)."""
     transform = {"rotation": np.pi / 2, "scale": [2, 1], "offset": [0.25, 0]}
