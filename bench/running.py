@@ -13,7 +13,8 @@ from pylmc.integrators.bdpt import Bidirectional
 from pylmc.integrators.lmc import LangevinMonteCarlo
 from pylmc.integrators.path import PathTracer
 from pylmc.picture.statistics import LUMINANCE
-from pylmc.sampling.sampler import STEPS_PER_LAUNCH, Sampler
+from pylmc.sampling.chains import STEPS_PER_LAUNCH
+from pylmc.sampling.sampler import Sampler
 from pylmc.scene import Scene
 
 WORKERS = {"lmc": LangevinMonteCarlo, "bdpt": Bidirectional, "path": PathTracer}
@@ -97,9 +98,9 @@ def reference(scene: Scene, depths: Sequence[int], seconds: float, runs: int = 6
         while time.perf_counter() - start < seconds / runs:
             sampler.step(STEPS_PER_LAUNCH)
             sampler.counters()
-        films = sampler.films() @ LUMINANCE
+        films = [sampler.film.read(slot) @ LUMINANCE for slot in range(len(sampler.groups))]
         for depth in depths:
-            total = np.zeros(films.shape[1:])
+            total = np.zeros(films[0].shape)
             for film, group in zip(films, sampler.groups, strict=True):
                 if group.length <= depth:
                     total += film * (group.b * sampler.film_pixels / (max(group.steps, 1) * group.chains))

@@ -46,6 +46,7 @@ class DeviceScene:
         self.context, self.queue = context_and_queue(self.device)
         self.compile_seconds = 0.0
         self._programs: dict[str, cl.Program] = {}
+        self._kernels: dict[tuple[str, str], cl.Kernel] = {}
         self._declarations: list[str] = []
         self.dtypes: dict[str, np.dtype] = {}
         for name, fields in tables.SCENE_STRUCTS.items():
@@ -58,7 +59,7 @@ class DeviceScene:
         self._declarations.append(f"typedef {vertex_name} ChainVertex;")
         self._declare("ChainState", tables.chain_state(settings.max_depth, vertex))
         self._declare("ChainCounters", tables.chain_counters(settings.max_depth))
-        self.buffers = [self._upload_scene_array(name, kind) for name, kind in tables.SCENE_ARRAYS.items()]
+        self.buffers = {name: self._upload_scene_array(name, kind) for name, kind in tables.SCENE_ARRAYS.items()}
 
     def _declare(self, name: str, fields: Any) -> np.dtype:
         dtype, declaration = structs.declare(self.device, name, real_fields(fields, self.precision.device))
@@ -77,10 +78,6 @@ class DeviceScene:
         data = np.ascontiguousarray(array) if array.size else np.zeros(16, np.uint8)
         self._check_size(data.nbytes)
         return cl.Buffer(self.context, cl.mem_flags.READ_WRITE | cl.mem_flags.COPY_HOST_PTR, hostbuf=data)
-
-    def set_evenness(self, weights: np.ndarray) -> None:
-        """Give the chains' density its weights over the film (see pylmc.sampling.evenness)."""
-        self.buffers[list(tables.SCENE_ARRAYS).index("evenness")] = self.upload(weights)
 
     def zeros(self, nbytes: int) -> cl.Buffer:
         """A zero-filled device buffer."""
@@ -136,12 +133,19 @@ class DeviceScene:
                     real=self.precision.real,
                     math=self.settings.math,
                 )
-        return cl.Kernel(self._programs[key], name)
+        if (key, name) not in self._kernels:
+            self._kernels[key, name] = cl.Kernel(self._programs[key], name)
+        return self._kernels[key, name]
 
-    def launch(self, kernel: cl.Kernel, count: int, *arguments: Any) -> None:
-        """Enqueue ``kernel`` over ``count`` work-items: scene buffers first, then ``arguments``."""
+    def launch(self, kernel: cl.Kernel, count: int, *arguments: Any, evenness: cl.Buffer | None = None) -> None:
+        """Enqueue ``kernel`` over ``count`` work-items: the scene's buffers first, then ``arguments``.
+
+        ``evenness``: the density's weights over the film (see :mod:`pylmc.sampling.evenness`), in place of the scene's
+        own, which are one everywhere.
+        """
         size = -(-count // WORK_GROUP) * WORK_GROUP
-        kernel(self.queue, (size,), (WORK_GROUP,), *self.buffers, *arguments)
+        buffers = self.buffers if evenness is None else {**self.buffers, "evenness": evenness}
+        kernel(self.queue, (size,), (WORK_GROUP,), *buffers.values(), *arguments)
 
     def read(self, buffer: cl.Buffer, dtype: Any, shape: Any) -> np.ndarray:
         """Wait for the queue and copy a buffer to a new array."""

@@ -9,9 +9,11 @@ import numpy as np
 import pyopencl as cl
 
 from ..device import tables
+from ..device.arrays import Film, Records
 from ..picture.statistics import LUMINANCE, BatchMeans
+from ..sampling.chains import STEPS_PER_LAUNCH
 from ..sampling.groups import Group
-from ..sampling.sampler import FILM_SCALE, STEPS_PER_LAUNCH, Sampler
+from ..sampling.sampler import Sampler
 
 STREAMS_CPU, STREAMS_GPU = 4096, 65536
 
@@ -31,7 +33,8 @@ class Bidirectional:
         return self.sampler.seconds
 
     def prepare(self, seed: int, quick: bool) -> None:
-        device = self.sampler.device_scene
+        device, camera = self.sampler.device_scene, self.sampler.scene.camera
+        self.seed = seed
         self.groups: list[Group] = self.sampler.weigh(1 << 14 if quick else 1 << 16, seed)
         streams = STREAMS_GPU if device.device.type & cl.device_type.GPU else STREAMS_CPU
         spreads = np.array([np.sqrt(group.weight_square_sum / group.weighed) for group in self.groups])
@@ -49,9 +52,9 @@ class Bidirectional:
             first += group.chains
         self.streams = first
         self.scales = np.array([part["scale"][0] for part in parts], dtype=np.float64)
-        self._table = device.upload_struct(np.concatenate(parts), "ChainStart")
-        self._counters = device.zeros(first * device.dtypes["ChainCounters"].itemsize)
-        self._film = device.zeros(len(self.groups) * self.sampler.film_pixels * 24)
+        self._table = Records.of(device, "ChainStart", np.concatenate(parts))
+        self._counters = Records(device, "ChainCounters", first)
+        self.film = Film(device, len(self.groups), camera.height, camera.width)
         self._kernel = device.kernel("entry/bdpt.cl", "render_independent")
         with device.compiling():
             self._launch(0)
@@ -62,22 +65,21 @@ class Bidirectional:
         self.sampler.device_scene.launch(
             self._kernel,
             self.streams,
-            np.uint32(self.sampler.seed),
+            np.uint32(self.seed),
             np.uint64(self.launches * STEPS_PER_LAUNCH),
             np.int32(steps),
             np.uint32(self.streams),
-            self._table,
-            self._counters,
-            self._film,
+            self._table.buffer,
+            self._counters.buffer,
+            self.film.buffer,
             np.int32(self.sampler.film_pixels),
         )
 
     def advance(self) -> None:
-        device = self.sampler.device_scene
         start = time.perf_counter()
         self._launch(STEPS_PER_LAUNCH)
-        counts = device.read_struct(self._counters, "ChainCounters", self.streams)
-        device.clear(self._counters)
+        counts = self._counters.read()
+        self._counters.clear()
         self.rays += int(counts["rays"].sum(dtype=np.int64))
         self.not_finite += int(counts["not_finite"].sum(dtype=np.int64))
         self.launches += 1
@@ -86,11 +88,9 @@ class Bidirectional:
 
     def _sum(self) -> np.ndarray:
         """The picture times the number of launches."""
-        camera = self.sampler.scene.camera
-        words = self.sampler.device_scene.read(self._film, np.dtype("<u8"), (len(self.groups), camera.height, camera.width, 3))
-        total = np.zeros(words.shape[1:])
-        for film, group, scale in zip(words, self.groups, self.scales, strict=True):
-            total += film / (FILM_SCALE * scale * group.chains * STEPS_PER_LAUNCH)
+        total = np.zeros(self.film.shape)
+        for slot, (group, scale) in enumerate(zip(self.groups, self.scales, strict=True)):
+            total += self.film.read(slot) / (scale * group.chains * STEPS_PER_LAUNCH)
         return total * self.sampler.film_pixels * self.sampler.compiled.radiance_scale
 
     def end_batch(self) -> None:

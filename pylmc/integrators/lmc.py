@@ -8,7 +8,8 @@ import numpy as np
 import pyopencl as cl
 
 from ..picture.statistics import LUMINANCE, BatchMeans, mixing
-from ..sampling.sampler import STEPS_PER_LAUNCH, Sampler
+from ..sampling.chains import STEPS_PER_LAUNCH
+from ..sampling.sampler import Sampler
 
 CHAINS_CPU, CHAINS_GPU = 4096, 65536
 
@@ -54,8 +55,8 @@ class LangevinMonteCarlo:
             self.traces[i].append(counters.trace[part])
 
     def end_batch(self) -> None:
-        for i, (film, group) in enumerate(zip(self.sampler.films(), self.sampler.groups, strict=True)):
-            splats, work = film @ LUMINANCE, group.steps * group.chains
+        for i, group in enumerate(self.sampler.groups):
+            splats, work = self.sampler.film.read(i) @ LUMINANCE, group.steps * group.chains
             before, before_work = self._last[i]
             if work > before_work:
                 self.batches[i].add((splats - before) / (work - before_work), work - before_work)

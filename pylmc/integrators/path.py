@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..device.arrays import Records
 from ..picture.statistics import LUMINANCE, BatchMeans
 from ..sampling.sampler import Sampler
 
@@ -32,7 +33,7 @@ class PathTracer:
         self.sampler.weigh(1 << 12 if quick else 1 << 14, seed)  # refuses a scene in which no light path can be found
         self._film = device.zero_reals(self.sampler.film_pixels * 3)
         streams = min(self.sampler.film_pixels, PIXELS_PER_LAUNCH)
-        self._counters = device.zeros(streams * device.dtypes["ChainCounters"].itemsize)
+        self._counters = Records(device, "ChainCounters", streams)
         # a plain path tracer does not aim at holes
         self._kernel = device.kernel("entry/path_tracer.cl", "render_paths", NUM_TARGETS=0)
         with device.compiling():
@@ -51,7 +52,7 @@ class PathTracer:
             np.int32(self.sampler.settings.max_depth),
             np.int32(first),
             np.int32(count),
-            self._counters,
+            self._counters.buffer,
             self._film,
         )
 
@@ -75,9 +76,8 @@ class PathTracer:
         device = self.sampler.device_scene
         self._sum += device.read_reals(self._film, self._sum.shape)
         device.clear(self._film)
-        size = self._counters.size // device.dtypes["ChainCounters"].itemsize
-        counts = device.read_struct(self._counters, "ChainCounters", size)
-        device.clear(self._counters)
+        counts = self._counters.read()
+        self._counters.clear()
         self.rays += int(counts["rays"].sum(dtype=np.int64))
         self.not_finite += int(counts["not_finite"].sum(dtype=np.int64))
         self._pending = 0

@@ -1,10 +1,78 @@
-"""What a Sampler hands out: its chains as arrays, and what they counted."""
+"""Chains as host arrays: what a Sampler hands out, what its chains counted, and the content of the chains themselves."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 import numpy as np
+
+from ..device import tables
+from ..device.arrays import Records
+from ..device.device_scene import DeviceScene
+
+
+class ChainArrays(NamedTuple):
+    """All that a chain holds between steps, chains first. K is the greatest path length; what is beyond a path's own is idle.
+
+    length, ending (chains,): segments, 0 connect or 1 hit. light: the point light that the path is connected to. group: the
+    chain's place in its State's ``groups``. log_i: log of the density, -inf for a dark chain; log_p: log of the independent
+    sampler's density, NaN (or below -1e29) where it is not known. colour (chains, 3): what the chain splats. v (chains, K, 3)
+    and t (chains, K): each segment's direction and length, in scaled units. barycentrics (chains, K, 2), triangle, lobe
+    (chains, K): the node that it leads to; triangle -1 for a point light.
+    """
+
+    length: np.ndarray
+    ending: np.ndarray
+    light: np.ndarray
+    group: np.ndarray
+    log_i: np.ndarray
+    log_p: np.ndarray
+    colour: np.ndarray
+    v: np.ndarray
+    t: np.ndarray
+    barycentrics: np.ndarray
+    triangle: np.ndarray
+    lobe: np.ndarray
+
+    def only(self, which: np.ndarray) -> ChainArrays:
+        """Some of the chains: those that an index or a mask selects."""
+        return ChainArrays(*(array[which] for array in self))
+
+
+def no_chains(count: int, max_depth: int) -> ChainArrays:
+    """Arrays for ``count`` chains of paths of up to ``max_depth`` segments, zero everywhere."""
+    integers = [np.zeros(count, np.int32) for _ in range(4)]
+    numbers = [np.zeros((count, *shape)) for shape in ((), (), (3,), (max_depth, 3), (max_depth,), (max_depth, 2))]
+    return ChainArrays(*integers, *numbers, *(np.zeros((count, max_depth), np.int32) for _ in range(2)))
+
+
+CHAIN_FIELDS = {"length": "length", "ending": "ending", "light": "light", "slot": "group", "log_i": "log_i", "log_p": "log_p"}
+VERTEX_FIELDS = ("v", "t", "triangle", "lobe")
+
+
+def chain_arrays(chains: Records) -> ChainArrays:
+    """The chains that lie on a device, as host arrays."""
+    raw = chains.read()
+    vertex = raw["vertex"]
+    return ChainArrays(
+        **{ours: raw[theirs] for theirs, ours in CHAIN_FIELDS.items()},
+        colour=raw["colour"],
+        **{name: vertex[name] for name in VERTEX_FIELDS},
+        barycentrics=np.stack([vertex["bu"], vertex["bv"]], axis=-1),
+    )
+
+
+def chain_records(device: DeviceScene, arrays: ChainArrays) -> Records:
+    """Host arrays as chains on a device, whose greatest path length must be theirs."""
+    vertex = np.dtype(tables.CHAIN_VERTEX)
+    raw = np.zeros(len(arrays.length), tables.chain_state(device.settings.max_depth, vertex))
+    for theirs, ours in CHAIN_FIELDS.items():
+        raw[theirs] = getattr(arrays, ours)
+    raw["colour"] = arrays.colour
+    for name in VERTEX_FIELDS:
+        raw["vertex"][name] = getattr(arrays, name)
+    raw["vertex"]["bu"], raw["vertex"]["bv"] = np.moveaxis(arrays.barycentrics, -1, 0)
+    return Records.of(device, "ChainState", raw)
 
 
 class States(NamedTuple):

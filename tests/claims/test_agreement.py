@@ -22,9 +22,9 @@ def lmc_runs(name: str, runs: int, depth: int) -> dict[tuple[int, int], np.ndarr
         sampler.init(seed=500 + seed, chains=2048, candidates=1 << 15)
         sampler.step(192)
         sampler.counters()
-        for film, group in zip(sampler.films(), sampler.groups, strict=True):
+        for slot, group in enumerate(sampler.groups):
             share = group.b * sampler.film_pixels / (group.steps * group.chains)
-            out.setdefault((group.length, group.ending), []).append(film @ LUMINANCE * share)
+            out.setdefault((group.length, group.ending), []).append(sampler.film.read(slot) @ LUMINANCE * share)
     return {key: np.stack(films) for key, films in out.items()}
 
 

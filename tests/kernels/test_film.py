@@ -7,9 +7,9 @@ import pytest
 from studies.probes import build_probe
 
 import pylmc
+from pylmc.device.arrays import FILM_SCALE, Film
 from pylmc.device.device_scene import DeviceScene
 from pylmc.sampling.compiled import compile_scene
-from pylmc.sampling.sampler import FILM_SCALE
 from pylmc.settings import Settings
 
 SOURCE = """
@@ -35,16 +35,16 @@ def device() -> DeviceScene:
 def add(device: DeviceScene, pixels: np.ndarray, values: np.ndarray) -> np.ndarray:
     """The film (PIXELS, 3) of 64-bit words after concurrent additions."""
     kernel = build_probe(device, SOURCE, "probe_film")
-    film = device.zeros(24 * PIXELS)
+    film = Film(device, 1, 1, PIXELS)
     device.launch(
         kernel,
         len(pixels),
         np.int32(len(pixels)),
         device.upload(pixels.astype(np.int32)),
         device.upload(values.astype(np.float32)),
-        film,
+        film.buffer,
     )
-    return device.read(film, np.dtype("<u8"), (PIXELS, 3))
+    return film.words(0)[0]
 
 
 def exact(pixels: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -20,8 +20,10 @@ import pylmc
 from pylmc import Sampler, load
 from pylmc.device import program
 from pylmc.device.survey import select
+from pylmc.sampling.chains import resume
 from pylmc.sampling.evenness import GRID
-from pylmc.sampling.states import States
+from pylmc.sampling.groups import Group
+from pylmc.sampling.states import ChainArrays, States
 
 CHANGE = 2.0**-30  # relative, of the state's numbers: far above float64's rounding, far below where Q bends
 DRAWS = 8
@@ -37,29 +39,23 @@ def by_chain(array: np.ndarray) -> np.ndarray:
     return np.max(np.abs(np.nan_to_num(array.reshape(len(array), -1))), axis=1)
 
 
-def states_of(sampler: Sampler, raw: np.ndarray, like: Sampler) -> States:
-    """``sampler``'s view of the chains ``raw``, which are those of another one."""
-    device = sampler.device_scene
-    device.set_evenness(np.ones((GRID, GRID), np.float32))
-    sampler.groups, sampler.chains = like.groups, like.chains
-    sampler._states = device.upload_struct(raw, "ChainState")
+def states_of(sampler: Sampler, chains: ChainArrays, groups: list[Group]) -> States:
+    """``sampler``'s view of chains that may be another one's."""
+    sampler.resume(resume(sampler.device_scene, chains, groups, np.ones((GRID, GRID), np.float32)))
     return sampler.states()
 
 
-def changed(raw: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+def changed(chains: ChainArrays, rng: np.random.Generator) -> ChainArrays:
     """The chains with each of their numbers changed by CHANGE, up or down."""
-    raw = raw.copy()
-    for name in ("v", "t", "bu", "bv"):
-        numbers = raw["vertex"][name]
-        raw["vertex"][name] = numbers * (1 + CHANGE * rng.choice([-1.0, 1.0], numbers.shape))
-    return raw
+    numbers = {name: getattr(chains, name) for name in ("v", "t", "barycentrics")}
+    return chains._replace(**{name: x * (1 + CHANGE * rng.choice([-1.0, 1.0], x.shape)) for name, x in numbers.items()})
 
 
-def check_states(pairs: Sampler, double: Sampler, raw: np.ndarray) -> None:
-    """The chains ``raw``, which are those of ``pairs`` or have its shape, look the same from both."""
-    got, exact = states_of(pairs, raw, pairs), states_of(double, raw, pairs)
+def check_states(pairs: Sampler, double: Sampler, chains: ChainArrays, groups: list[Group]) -> None:
+    """The chains look the same from both."""
+    got, exact = states_of(pairs, chains, groups), states_of(double, chains, groups)
     rng = np.random.default_rng(0)
-    others = [states_of(double, changed(raw, rng), pairs) for _ in range(DRAWS)]
+    others = [states_of(double, changed(chains, rng), groups) for _ in range(DRAWS)]
     for name in ("length", "ending", "lobes", "kinds"):
         np.testing.assert_array_equal(getattr(got, name), getattr(exact, name), err_msg=name)
     worst = {}
@@ -100,29 +96,28 @@ def samplers(name: str, depth: int) -> tuple[Sampler, Sampler]:
     return pairs, double
 
 
-def started(sampler: Sampler) -> np.ndarray:
-    """New chains as float64 structs."""
-    sampler.init(seed=1, chains=512, candidates=1 << 13)
-    return sampler.device_scene.read_struct(sampler._states, "ChainState", sampler.chains)
+def started(sampler: Sampler) -> tuple[ChainArrays, list[Group]]:
+    """New chains, and whose they are."""
+    groups = sampler.init(seed=1, chains=512, candidates=1 << 13)
+    return sampler.state.arrays(), groups
 
 
 def test_pairs_compute_what_float64_does():
     pairs, double = samplers("box", 3)
     check_candidates(pairs, double)
     check_pictures(pairs, double)
-    raw = started(pairs)
-    check_states(pairs, double, raw)
+    chains, groups = started(pairs)
+    check_states(pairs, double, chains, groups)
 
     # the control: with products' rounding lost it is no longer so
     original = program.source
     term = "FF_PRODUCT_ERROR(P, x.hi, y.hi, product) + cross"
     assert term in original("number/float_float.cl")
     broken = Sampler(load("box"), precision="float-float", max_depth=3, **SETTINGS)
-    broken.groups, broken.chains = pairs.groups, pairs.chains
     with patch.object(program, "source", lambda name, files=None: original(name, files).replace(term, "cross")):
         broken.device_scene.kernel("entry/inspect.cl", "describe_chains")
     with pytest.raises(AssertionError, match="'log_pi'"):
-        check_states(broken, double, raw)
+        check_states(broken, double, chains, groups)
 
 
 @pytest.mark.long
@@ -131,7 +126,7 @@ def test_pairs_compute_what_float64_does_in_every_scene(name):
     pairs, double = samplers(name, 5)
     check_candidates(pairs, double)
     check_pictures(pairs, double)
-    check_states(pairs, double, started(pairs))
+    check_states(pairs, double, *started(pairs))
 
 
 @pytest.mark.long

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from oracle.cases import CASES, DEPTH, DEVIATION, ENDS, LOBES, LONG, Case, only_long, scene_of, start_of, states_of
-from oracle.chains import adopt, paths_of, read_paths, read_states, world_of
+from oracle.chains import adopt, paths_of, read_paths, world_of
 from oracle.charts import Charts
 from oracle.constraints import proposal_factor
 from oracle.displaced import displaced
@@ -70,7 +70,7 @@ def laid(request: pytest.FixtureRequest) -> Laid:
     sampler = Sampler(scene_of(chosen.scene), precision=chosen.precision, max_depth=DEPTH, even=False, **chosen.settings)
     world = world_of(sampler)
     adopt(sampler, world, states_of(chosen.scene))
-    groups = list(paths_of(world, read_states(sampler)).values())
+    groups = list(paths_of(world, sampler.state.arrays()).values())
     return Laid(chosen, sampler, world, groups, sampler.states(), sampler.trial(STEP))
 
 
@@ -335,7 +335,7 @@ def test_agreement_would_fail(fault: str) -> None:
     sampler = Sampler(scene_of("keyhole"), precision="single", max_depth=DEPTH, even=False, **settings)
     world = world_of(sampler)
     adopt(sampler, world, states_of("keyhole"))
-    groups = list(paths_of(world, read_states(sampler)).values())
+    groups = list(paths_of(world, sampler.state.arrays()).values())
     chosen = Case("keyhole", "single", {})
     tally, _, _ = small_steps(Laid(chosen, sampler, world, groups, sampler.states(), sampler.trial(STEP)), fault)
     errors = np.concatenate(tally.errors["log reverse"])

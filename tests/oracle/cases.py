@@ -13,10 +13,8 @@ from studies.probes import textured_scene
 
 import pylmc
 from pylmc.sampling.sampler import Sampler
+from pylmc.sampling.states import ChainArrays
 from pylmc.scene import Scene
-
-from .chains import read_states
-from .vectors import Array
 
 DEPTH, CHAINS = 8, 120
 SCENES: dict[str, dict[str, float]] = {
@@ -84,8 +82,8 @@ def start_of(name: str) -> Sampler:
 
 
 @cache
-def states_of(name: str) -> Array:
-    return read_states(start_of(name))
+def states_of(name: str) -> ChainArrays:
+    return start_of(name).state.arrays()
 
 
 def only_long(cases: list[Any]) -> list[Any]:

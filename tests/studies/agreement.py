@@ -11,9 +11,11 @@ from scipy import stats
 from scipy.ndimage import uniform_filter
 
 import pylmc
+from pylmc.device.arrays import Records
 from pylmc.integrators.bdpt import Bidirectional
 from pylmc.picture.statistics import LUMINANCE
-from pylmc.sampling.sampler import FILM_SCALE, STEPS_PER_LAUNCH, Sampler
+from pylmc.sampling.chains import STEPS_PER_LAUNCH
+from pylmc.sampling.sampler import Sampler
 from pylmc.scene import Scene
 
 from .probes import textured_scene
@@ -48,15 +50,14 @@ def bdpt_batches(name: str, seeds: int, launches: int, depth: int) -> dict[tuple
     for seed in range(seeds):
         worker = Bidirectional(sampler)
         worker.prepare(100 + seed, True)
-        camera = sampler.scene.camera
-        before = np.zeros((len(worker.groups), camera.height, camera.width, 3), np.uint64)
+        before = [np.zeros(worker.film.shape)] * len(worker.groups)
         for _ in range(launches):
             worker.advance()
-            words = sampler.device_scene.read(worker._film, np.dtype("<u8"), before.shape)
-            for group, film, scale in zip(worker.groups, words - before, worker.scales, strict=True):
-                share = sampler.film_pixels / (FILM_SCALE * scale * group.chains * STEPS_PER_LAUNCH)
-                out.setdefault((group.length, group.ending), []).append(film @ LUMINANCE * share)
-            before = words
+            now = [worker.film.read(slot) for slot in range(len(worker.groups))]
+            for group, film, last, scale in zip(worker.groups, now, before, worker.scales, strict=True):
+                share = sampler.film_pixels / (scale * group.chains * STEPS_PER_LAUNCH)
+                out.setdefault((group.length, group.ending), []).append((film - last) @ LUMINANCE * share)
+            before = now
     return {key: np.stack(films) for key, films in out.items()}
 
 
@@ -70,12 +71,12 @@ def path_batches(name: str, ending: int, batches: int, passes: int, depth: int) 
     device, pixels = sampler.device_scene, sampler.film_pixels
     only = {"HAS_EMITTERS": 0} if ending == CONNECT else {"HAS_POINTS": 0}
     kernel = device.kernel("entry/path_tracer.cl", "render_paths", NUM_TARGETS=0, **only)
-    counters = device.zeros(pixels * device.dtypes["ChainCounters"].itemsize)
+    counters = Records(device, "ChainCounters", pixels)
     out = np.zeros((batches, depth, scene.camera.height, scene.camera.width))
     for batch in range(batches):
         before = np.zeros((scene.camera.height, scene.camera.width, 3))
         for k in range(1, depth + 1):
-            film = device.zeros(12 * pixels)
+            film = device.zero_reals(3 * pixels)
             device.launch(
                 kernel,
                 pixels,
@@ -85,10 +86,10 @@ def path_batches(name: str, ending: int, batches: int, passes: int, depth: int) 
                 np.int32(k),
                 np.int32(0),
                 np.int32(pixels),
-                counters,
+                counters.buffer,
                 film,
             )
-            now = device.read(film, np.float32, before.shape).astype(float) / passes
+            now = device.read_reals(film, before.shape).astype(float) / passes
             out[batch, k - 1] = (now - before) @ LUMINANCE
             before = now
     return out

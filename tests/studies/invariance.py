@@ -16,24 +16,16 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from pylmc.device.tables import ENDINGS, SCENE_ARRAYS
-from pylmc.sampling.evenness import GRID
+from pylmc.device.tables import ENDINGS
+from pylmc.sampling.chains import resume
 from pylmc.sampling.sampler import Sampler
-from pylmc.sampling.states import States
+from pylmc.sampling.start import start as start_chains
+from pylmc.sampling.states import ChainArrays, States
 from pylmc.scene import Scene
 
 BINS = 16  # of a coordinate, with equal counts
 FEWEST = 400  # chains: groups with less are left out
 INDEPENDENT = 4  # a group takes part with at most this part of its candidates' effective number
-
-
-class Weighted(Sampler):
-    """A sampler whose target is luminance times given weights (GRID, GRID) of the film, in place of the pilot's."""
-
-    weights = np.ones((GRID, GRID), np.float32)
-
-    def _weight_density(self, pilot: int) -> None:
-        self.device_scene.set_evenness(self.weights)
 
 
 class Start:
@@ -54,17 +46,13 @@ class Start:
         seed: int = 101,
     ) -> None:
         self.scene, self.precision, self.max_depth = scene, precision, max_depth
-        self.sampler = (Sampler if weights is None else Weighted)(scene, precision=precision, max_depth=max_depth)
-        if weights is not None:
-            self.sampler.weights = weights
+        self.sampler = Sampler(scene, precision=precision, max_depth=max_depth)
         samples = []
         for draw in range(2):
-            self.sampler.init(seed=seed + draw, chains=chains, candidates=candidates)
+            self.sampler.resume(start_chains(self.sampler.device_scene, seed + draw, chains, candidates, weights))
             effective = {(g.length, g.ending): g.weight_sum**2 / g.weight_square_sum for g in self.sampler.groups}
             samples.append((self.sampler.states(), effective))
-        device = self.sampler.device_scene
-        self.chains = device.read_struct(self.sampler._states, "ChainState", self.sampler.chains)  # of the second
-        self.weights = device.read(device.buffers[list(SCENE_ARRAYS).index("evenness")], np.float32, (GRID, GRID))
+        self.chains, self.weights = self.sampler.state.arrays(), self.sampler.evenness  # of the second
         (self.fresh, effective_fresh), (self.unmoved, effective) = samples
         self.take: dict[tuple[int, int], int] = {}  # chains of each (length, ending) that take part in comparisons
         for kind in effective.keys() & effective_fresh.keys():
@@ -72,31 +60,20 @@ class Start:
             counts = [int(((s.length == length) & (s.ending == ending)).sum()) for s in (self.fresh, self.unmoved)]
             self.take[kind] = min(*counts, int(min(effective[kind], effective_fresh[kind]) / INDEPENDENT))
 
-    def described(self, chains: np.ndarray) -> States:
-        """Chains as the device keeps them (pylmc.device.tables), as States."""
-        device = self.sampler.device_scene
-        self.sampler._states = device.upload_struct(chains, "ChainState")
+    def described(self, chains: ChainArrays) -> States:
+        """Chains laid open."""
+        self.sampler.resume(resume(self.sampler.device_scene, chains, self.sampler.groups, self.weights))
         return self.sampler.states()
 
 
 class Resumed(Sampler):
     """Chains of a Start, to be moved in a way of one's own. ``fault``: see cl_kernels/moves/small_step.cl."""
 
-    def __init__(self, start: Start, seed: int = 0, fault: str = "NONE", chains: np.ndarray | None = None, **settings: Any):
+    def __init__(self, start: Start, seed: int = 0, fault: str = "NONE", chains: ChainArrays | None = None, **settings: Any):
         super().__init__(start.scene, precision=start.precision, max_depth=start.max_depth, **settings)
-        device, raw = self.device_scene, start.chains if chains is None else chains
-        device.set_evenness(start.weights)
-        self.groups = [copy(group) for group in start.sampler.groups]
-        self.chains, self.seed = len(raw), seed
-        self._states = device.upload_struct(raw, "ChainState")
-        self._counters = device.zeros(self.chains * device.dtypes["ChainCounters"].itemsize)
-        self._film = device.zeros(len(self.groups) * self.film_pixels * 24)
-        broken = {} if fault == "NONE" else {"FAULT": f"FAULT_{fault}"}
-        self._kernel = device.kernel("entry/chains.cl", "run_chains", **broken)
-
-    def raw(self) -> np.ndarray:
-        """The chains as they are now."""
-        return self.device_scene.read_struct(self._states, "ChainState", self.chains)
+        groups = [copy(group) for group in start.sampler.groups]
+        self.resume(resume(self.device_scene, start.chains if chains is None else chains, groups, start.weights, seed))
+        self.constants = {} if fault == "NONE" else {"FAULT": f"FAULT_{fault}"}
 
 
 @dataclass(frozen=True)
@@ -217,8 +194,8 @@ def compare(a: States, b: States, take: dict[tuple[int, int], int], scene: Scene
 def move(start: Start, steps: int, seed: int = 0, fault: str = "NONE", **settings: Any) -> Outcome:
     """Move the second sample and compare it with the first."""
     sampler = Resumed(start, seed, fault, **settings)
-    sampler.step(steps)
+    sampler.step(steps, **sampler.constants)
     counters = sampler.counters()
     acceptance = float(counters.acceptance.sum() / counters.proposed.sum())
-    values = compare(start.fresh, start.described(sampler.raw()), start.take, start.scene)
+    values = compare(start.fresh, start.described(sampler.state.arrays()), start.take, start.scene)
     return Outcome(values, acceptance, counters.not_finite)
