@@ -8,16 +8,6 @@
 #include "moves/blocks.cl"
 #include "constraints/preconditioner.cl"
 
-// Test-only: each fault breaks one thing that Hastings' rule needs, so that the tests of invariance can be seen to fail
-// (tests/studies/invariance_cases.py). Nothing but a test defines FAULT.
-#define FAULT_NONE 0
-#define FAULT_NO_DETERMINANT 1  // log |det T| left out, both of X and of X^
-#define FAULT_REVERSE_SIGN 2    // the reverse step's delta X taken from X to X^; shows with drift only, G being even
-#define FAULT_FACTOR_OF_X 3     // the reverse step by T(X) and a(X) in place of T(X^) and a(X^)
-#ifndef FAULT
-#define FAULT FAULT_NONE
-#endif
-
 #define STEP_OK 0
 #define STEP_NO_PATH 1     // the proposal carries no light
 #define STEP_NOT_FINITE 2  // a density came out as NaN or infinity: rejected, and counted
@@ -77,14 +67,6 @@ real joint_log_jacobian(const Path *path, int m) {
     return log(fabs(dot(far->ng, far->v)) / square(far->t));
 }
 
-real log_determinant(const Factor *factor) {
-#if FAULT == FAULT_NO_DETERMINANT
-    return 0.0;
-#else
-    return factor_log_determinant(factor);
-#endif
-}
-
 // Propose y from x by a small step of the block m, length h and normal numbers xi. log_forward and log_reverse: log p(X^|X) and
 // log p(X|X^), but for the factor (2 pi)^{-m} h^{-2m} that they share.
 int propose_small(Scene *scene, const Path *x, int m, real h, const real *xi, Path *y, Radiance *radiance, real *log_forward,
@@ -97,7 +79,7 @@ int propose_small(Scene *scene, const Path *x, int m, real h, const real *xi, Pa
     precondition(scene, x, m, p, charts, &factor, &gradient);
     int n = 2 * m;
     real shift[COLUMNS], delta[COLUMNS];  // in units of xi, and of the charts
-    real forward = log_determinant(&factor);
+    real forward = factor_log_determinant(&factor);
     for (int k = 0; k < n; k++) {
         shift[k] = xi[k];
         forward -= 0.5 * square(xi[k]);
@@ -134,18 +116,13 @@ int propose_small(Scene *scene, const Path *x, int m, real h, const real *xi, Pa
         log_jacobian_back += jacobian;
         node = x->vertex[j].x;
     }
-#if FAULT != FAULT_FACTOR_OF_X
     precondition(scene, y, m, p_new, charts_new, &factor, &gradient);
-#endif
     factor_apply_transposed(&factor, delta, shift);
-#if FAULT == FAULT_REVERSE_SIGN
-    for (int k = 0; k < n; k++) shift[k] = -shift[k];
-#endif
 #if DRIFT
     scaled_drift(&factor, &gradient, h, drift);
     for (int k = 0; k < n; k++) shift[k] -= drift[k];
 #endif
-    real reverse = log_determinant(&factor) - log_jacobian_back - joint_log_jacobian(x, m);
+    real reverse = factor_log_determinant(&factor) - log_jacobian_back - joint_log_jacobian(x, m);
     for (int k = 0; k < n; k++) reverse -= 0.5 * square(shift[k]);
     *log_forward = forward;
     *log_reverse = reverse;

@@ -7,19 +7,18 @@ ends of each axis. Bias is the bench's business (docs/extremes.md), but for the 
 from __future__ import annotations
 
 import warnings
-from functools import partialmethod
 from typing import Any
-from unittest.mock import patch
 
 import numpy as np
 import pytest
+from studies.faults import FAULTS
+from studies.probes import edited_source
 
 import pylmc
 from bench.extreme_cells import acceptance, bias, run
 from bench.extreme_scenes import AXES, Axis
 from bench.extremes import Z_LIMIT, verdict
 from pylmc import PylmcWarning, Sampler
-from pylmc.device.device_scene import DeviceScene
 from pylmc.picture.statistics import LUMINANCE
 from pylmc.sampling.compiled import compile_scene
 from pylmc.sampling.limits import limits
@@ -86,10 +85,10 @@ def test_nor_with_other_settings(name: str, settings: dict[str, Any]) -> None:
 
 def test_a_broken_small_step_is_seen() -> None:
     """Negative control of the bench's judgement: a reverse step by T(X), under which the picture's mean stays right."""
-    scene, kernel = AXIS["roughness"].build(0.01), DeviceScene.kernel
+    scene = AXIS["roughness"].build(0.01)
     reference = run(scene, "double", 3, range(101, 103), 1 << 15, 1024)
     sound = run(scene, "double", 3, range(1, 3), 1 << 15, 1024)
-    with patch.object(DeviceScene, "kernel", partialmethod(kernel, FAULT="FAULT_FACTOR_OF_X")):
+    with edited_source(FAULTS["factor of X"]):
         broken = run(scene, "double", 3, range(1, 3), 1 << 15, 1024)
     good, bad = bias(sound, reference), bias(broken, reference)
     assert verdict(sound, good, acceptance(sound)) == "" and good["worst"] < Z_LIMIT

@@ -22,6 +22,8 @@ from pylmc.sampling.sampler import Sampler
 from pylmc.sampling.start import start as start_chains
 from pylmc.sampling.states import ChainArrays, States
 from pylmc.scene import Scene
+from studies.faults import FAULTS
+from studies.probes import edited_source
 
 BINS = 16  # of a coordinate, with equal counts
 FEWEST = 400  # chains: groups with less are left out
@@ -67,13 +69,15 @@ class Start:
 
 
 class Resumed(Sampler):
-    """Chains of a Start, to be moved in a way of one's own. ``fault``: see cl_kernels/moves/small_step.cl."""
+    """Chains of a Start, to be moved in a way of one's own. ``fault``: one of studies.faults, or "" for a sound step."""
 
-    def __init__(self, start: Start, seed: int = 0, fault: str = "NONE", chains: ChainArrays | None = None, **settings: Any):
+    def __init__(self, start: Start, seed: int = 0, fault: str = "", chains: ChainArrays | None = None, **settings: Any):
         super().__init__(start.scene, precision=start.precision, max_depth=start.max_depth, **settings)
         groups = [copy(group) for group in start.sampler.groups]
         self.resume(resume(self.device_scene, start.chains if chains is None else chains, groups, start.weights, seed))
-        self.constants = {} if fault == "NONE" else {"FAULT": f"FAULT_{fault}"}
+        if fault:
+            with edited_source(FAULTS[fault]):
+                self.step(0)  # builds the kernel, for all later steps
 
 
 @dataclass(frozen=True)
@@ -191,10 +195,10 @@ def compare(a: States, b: States, take: dict[tuple[int, int], int], scene: Scene
     return values
 
 
-def move(start: Start, steps: int, seed: int = 0, fault: str = "NONE", **settings: Any) -> Outcome:
+def move(start: Start, steps: int, seed: int = 0, fault: str = "", **settings: Any) -> Outcome:
     """Move the second sample and compare it with the first."""
     sampler = Resumed(start, seed, fault, **settings)
-    sampler.step(steps, **sampler.constants)
+    sampler.step(steps)
     counters = sampler.counters()
     acceptance = float(counters.acceptance.sum() / counters.proposed.sum())
     values = compare(start.fresh, start.described(sampler.state.arrays()), start.take, start.scene)

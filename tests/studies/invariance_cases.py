@@ -85,7 +85,7 @@ class Case:
     precision: str = "single"
     steps: int = STEPS
 
-    def run(self, fault: str = "NONE", seed: int = 101, **changes: Any) -> Outcome:
+    def run(self, fault: str = "", seed: int = 101, **changes: Any) -> Outcome:
         """Move and compare; ``fault`` and ``changes`` make a negative control of it."""
         settings = {"large_steps": 0.0, **LONG_STEPS, **self.settings, **changes}
         return move(start(self.scene, self.precision, seed), self.steps, seed, fault, **settings)
@@ -97,7 +97,7 @@ class Control:
 
     name: str
     twin: Case
-    fault: str = "NONE"
+    fault: str = ""
     changes: tuple[tuple[str, Any], ...] = ()
 
     def run(self, seed: int = 101) -> Outcome:
@@ -170,9 +170,9 @@ PRECONDITIONED = Case("preconditioned steps", "keyhole", {}, steps=160)
 DRIFTING = Case("drift", "skewed", {"drift": True, "coordinates": "deviation"})
 ORTHOGRAPHIC = Case("orthographic chart, GGX 0.3", "skewed", {"coordinates": "deviation", "chart": "orthographic"}, steps=160)
 CONTROLS = [
-    Control("no determinant", PRECONDITIONED, "NO_DETERMINANT"),
-    Control("T(X) in place of T(X̂)", PRECONDITIONED, "FACTOR_OF_X"),
-    Control("reverse step's sign", DRIFTING, "REVERSE_SIGN"),
+    Control("no determinant", PRECONDITIONED, "no determinant"),
+    Control("T(X) in place of T(X̂)", PRECONDITIONED, "factor of X"),
+    Control("reverse step's sign", DRIFTING, "reverse sign"),
     Control("unit Jacobian of the orthographic chart", ORTHOGRAPHIC, changes=(("chart", "orthographic-unit"),)),
 ]
 CASES = [*PAIRWISE, *OTHERS, *{control.twin.name: control.twin for control in CONTROLS}.values()]
