@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import pyopencl as cl
 
-from ..picture.statistics import LUMINANCE, BatchMeans, mixing
+from ..picture.statistics import LUMINANCE, BatchMeans
 from ..sampling.chains import STEPS_PER_LAUNCH
+from ..sampling.diagnostics import mixing
 from ..sampling.sampler import Sampler
 
 CHAINS_CPU, CHAINS_GPU = 4096, 65536

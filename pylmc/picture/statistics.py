@@ -1,11 +1,10 @@
-"""How wrong a picture still is, and how well its chains mix: batch means, effective sample size, R-hat."""
+"""How wrong a picture still is: batch means, and the error that they tell."""
 
 from __future__ import annotations
 
 import numpy as np
 
 LUMINANCE = np.array([0.212671, 0.715160, 0.072169])
-TRACED_CHAINS = 64  # per group: enough for R-hat, and arviz's cost grows with their number
 
 
 class BatchMeans:
@@ -44,21 +43,3 @@ def relative_error(image: np.ndarray, variance: np.ndarray | None) -> float | No
     if not floor > 0:
         return None
     return float(np.sqrt(np.mean(variance / (brightness**2 + floor))))
-
-
-def mixing(traces: np.ndarray) -> tuple[float, float] | None:
-    """(effective sample size, R-hat) of film positions (chains, draws, 2): the worse coordinate.
-
-    The size counts draws of all chains. None where there are fewer than four draws, or nothing moved.
-    """
-    from arviz_stats.base import array_stats  # slow to import, wanted once at a render's end
-
-    chains, draws = traces.shape[:2]
-    if draws < 4 or chains < 2:
-        return None
-    sample = traces[:TRACED_CHAINS].astype(np.float64)
-    if np.any(sample.std(axis=(0, 1)) == 0):
-        return None
-    sizes = [float(array_stats.ess(sample[:, :, i], chain_axis=0, draw_axis=1)) for i in range(2)]
-    rhats = [float(array_stats.rhat(sample[:, :, i], chain_axis=0, draw_axis=1)) for i in range(2)]
-    return min(sizes) * chains / len(sample), max(rhats)
