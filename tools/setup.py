@@ -49,7 +49,7 @@ def quiet(*command: str | Path, environ: dict[str, str] | None = None, folder: P
         errors="replace",
         check=False,
     )
-    with LOG.open("a") as log:
+    with LOG.open("a", encoding="utf-8") as log:
         log.write(f"$ {' '.join(map(str, command))}\n{result.stdout}{result.stderr}[exit code {result.returncode}]\n\n")
     if result.returncode:
         lines = (result.stderr.strip() or result.stdout.strip() or "no output").splitlines()
@@ -87,7 +87,7 @@ def install_package(dev: bool) -> None:
     stamp = VENV / "pylmc-setup.json"
     wanted = {"pyproject": hashlib.sha256((ROOT / "pyproject.toml").read_bytes()).hexdigest(), "root": str(ROOT)}
     try:
-        done = json.loads(stamp.read_text())
+        done = json.loads(stamp.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         done = {}
     dev = dev or bool(done.get("dev"))
@@ -96,7 +96,7 @@ def install_package(dev: bool) -> None:
     target = f"{ROOT}[dev]" if dev else str(ROOT)
     say(f"installing pylmc and what it needs{' and its development tools' if dev else ''} into .venv (1 to 2 minutes)")
     quiet(PYTHON, "-m", "pip", "install", "-q", "--disable-pip-version-check", "-e", target)
-    stamp.write_text(json.dumps({**wanted, "dev": dev}))
+    stamp.write_text(json.dumps({**wanted, "dev": dev}), encoding="utf-8")
 
 
 # --- OpenCL -----------------------------------------------------------------------------------------------------------
@@ -213,7 +213,7 @@ def describe(root: Path) -> None:
     if (root / "usr" / "bin" / "ld").exists():  # else the system has one
         wrap_linker(root, folders)
         description["path"] = "bin"
-    (OPENCL / "implementation.json").write_text(json.dumps(description, indent=1) + "\n")
+    (OPENCL / "implementation.json").write_text(json.dumps(description, indent=1) + "\n", encoding="utf-8")
 
 
 def loading_order(libraries: list[str]) -> list[str]:
@@ -256,7 +256,8 @@ def wrap_linker(root: Path, folders: list[Path]) -> None:
     path = ":".join(f"$here/{os.path.relpath(folder, programs)}" for folder in folders)
     linker = os.path.relpath(root / "usr" / "bin" / "ld", programs)
     (programs / "ld").write_text(
-        f'#!/bin/sh\nhere=${{0%/*}}\nLD_LIBRARY_PATH="{path}" exec "$here/{linker}" "$@" -L"$here/../lib"\n'
+        f'#!/bin/sh\nhere=${{0%/*}}\nLD_LIBRARY_PATH="{path}" exec "$here/{linker}" "$@" -L"$here/../lib"\n',
+        encoding="utf-8",
     )
     (programs / "ld").chmod(0o755)
 

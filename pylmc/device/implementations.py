@@ -66,7 +66,7 @@ def _from_icd_files(folder: Path) -> Iterator[Implementation]:
 
 def _first_line(file: Path) -> str:
     try:
-        lines = file.read_text(errors="replace").splitlines()
+        lines = os.fsdecode(file.read_bytes()).splitlines()
     except OSError:
         lines = []
     return lines[0].strip() if lines else ""
@@ -76,7 +76,7 @@ def unpacked() -> list[Implementation]:
     """PoCL as tools/setup.py unpacked it without root: described by ``implementation.json`` in its folder."""
     folder = Path(os.environ.get("PYLMC_OPENCL") or Path(__file__).resolve().parents[2] / ".opencl").absolute()
     try:
-        description = json.loads((folder / "implementation.json").read_text())
+        description = json.loads((folder / "implementation.json").read_text(encoding="utf-8"))
         # Paths are relative to the folder, so that a checkout can be moved.
         return [
             Implementation(

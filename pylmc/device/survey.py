@@ -209,7 +209,7 @@ def _load_implementations() -> None:
     before = os.environ.get("OCL_ICD_VENDORS")
     with tempfile.TemporaryDirectory(prefix="pylmc-") as folder:
         for index, implementation in enumerate(chosen):
-            Path(folder, f"{index:02}.icd").write_text(implementation.library + "\n")
+            Path(folder, f"{index:02}.icd").write_bytes(os.fsencode(implementation.library) + b"\n")
         os.environ["OCL_ICD_VENDORS"] = folder
         try:
             with contextlib.suppress(cl.Error):
@@ -301,7 +301,7 @@ def _run_probe(implementation: Implementation, first: int) -> tuple[list[dict[st
     # Files, not pipes: a driver's helper that outlives the probe would keep a pipe open.
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err, tempfile.TemporaryDirectory() as vendors:
         if implementation.library:
-            Path(vendors, "probed.icd").write_text(implementation.library + "\n")
+            Path(vendors, "probed.icd").write_bytes(os.fsencode(implementation.library) + b"\n")
             environ["OCL_ICD_VENDORS"] = vendors
         process = subprocess.Popen(
             command, stdin=subprocess.DEVNULL, stdout=out, stderr=err, env=environ, start_new_session=True
@@ -365,13 +365,13 @@ def _cache_file() -> Path:
 def _fingerprint(implementation: Implementation) -> str:
     """Changes whenever the driver, the machine, or a setting that drivers look at does."""
     facts: list[Any] = [asdict(implementation), version("pyopencl"), platform.node(), platform.release()]
-    facts.append(Path(__file__).with_name("probe.py").read_text())
+    facts.append(Path(__file__).with_name("probe.py").read_text(encoding="utf-8"))
     for file in (resolve(implementation.library), *implementation.preload):
         with contextlib.suppress(OSError):
             state = os.stat(file)
             facts.append((os.path.realpath(file), state.st_size, state.st_mtime_ns))
     with contextlib.suppress(OSError):  # the kernel's side of NVIDIA's driver
-        facts.append(Path("/proc/driver/nvidia/version").read_text())
+        facts.append(Path("/proc/driver/nvidia/version").read_text(encoding="utf-8", errors="replace"))
     prefixes = ("POCL_", "OCL_", "CL_", "RUSTICL_", "CUDA_", "NVIDIA_", "HIP_", "ROCR_", "LD_LIBRARY_PATH", "PATH")
     facts.append(sorted((name, value) for name, value in os.environ.items() if name.startswith(prefixes)))
     return hashlib.sha256(json.dumps(facts).encode()).hexdigest()
@@ -380,7 +380,7 @@ def _fingerprint(implementation: Implementation) -> str:
 def _read_cache() -> dict[str, Any]:
     """Results that are still to be believed, by fingerprint."""
     try:
-        content = json.loads(_cache_file().read_text())
+        content = json.loads(_cache_file().read_text(encoding="utf-8"))
         now = time.time()
         fresh = {}
         for key, result in content.items():
@@ -399,6 +399,6 @@ def _write_cache(content: dict[str, Any]) -> None:
     file = _cache_file()
     with contextlib.suppress(OSError):  # a cache that cannot be written only costs a second at the next start
         file.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile("w", dir=file.parent, delete=False) as temporary:
+        with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=file.parent, delete=False) as temporary:
             json.dump(content, temporary)
         os.replace(temporary.name, file)

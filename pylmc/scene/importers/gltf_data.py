@@ -7,10 +7,11 @@ import binascii
 import errno
 import io
 import json
+import os
 import struct
 from pathlib import Path
 from typing import Any
-from urllib.parse import unquote
+from urllib.parse import unquote_to_bytes
 
 import numpy as np
 from PIL import Image
@@ -144,7 +145,7 @@ class GltfData:
         if "://" in uri:
             raise PylmcError(f"its {what} is at {uri}; nothing is fetched from the network: save it beside the file")
         try:
-            return _contents(self.folder / unquote(uri))
+            return _contents(self.folder / os.fsdecode(unquote_to_bytes(uri)))  # UTF-8, whatever the locale's encoding
         except OSError as error:
             reason = error.strerror or type(error).__name__
             raise PylmcError(f"its {what} '{uri}' cannot be read ({reason}); put it beside the file") from None

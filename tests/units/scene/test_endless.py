@@ -37,7 +37,7 @@ def written(path: Path, **document: Any) -> Path:
         "scenes": [{"nodes": [0]}],
         **document,
     }
-    path.write_text(json.dumps(whole))
+    path.write_text(json.dumps(whole), encoding="utf-8")
     return path
 
 
