@@ -45,8 +45,12 @@ class Render:
     variance: np.ndarray | None = field(default=None, repr=False)
 
     def save(self, path: str | Path) -> list[Path]:
-        """Write ``path`` (OpenEXR, with metadata), and beside it a tone-mapped .png and the diagnostics as .json."""
+        """Write ``path`` (OpenEXR, with metadata), and beside it a tone-mapped .png and the diagnostics as .json.
+
+        All three appear whole or not at all. Returns their paths. Raises PylmcError if they cannot be written.
+        """
         from .picture.image import write_exr, write_png
+        from .picture.replacement import Replacement
 
         target = Path(path)
         if target.suffix.lower() != ".exr":
@@ -63,12 +67,14 @@ class Render:
             "normalisation": d.get("b", "none"),
             "versions": json.dumps(d["versions"]),
         }
-        write_exr(target, self.image, metadata)
-        write_png(target.with_suffix(".png"), self.image)
-        try:
-            target.with_suffix(".json").write_text(json.dumps(d, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-        except OSError as error:
-            raise PylmcError(f"{target.with_suffix('.json')}: cannot be written: {error.strerror}") from None
+        text = json.dumps(d, indent=2, allow_nan=False) + "\n"
+        with Replacement() as files:  # all three or none: a full disk must not cost an earlier picture
+            write_exr(target, self.image, metadata, files)
+            write_png(target.with_suffix(".png"), self.image, files)
+            try:
+                files.path_for(target.with_suffix(".json")).write_text(text, encoding="utf-8")
+            except OSError as error:
+                raise PylmcError(f"{target.with_suffix('.json')}: cannot be written: {error.strerror}") from None
         return [target, target.with_suffix(".png"), target.with_suffix(".json")]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -10,16 +11,19 @@ import numpy as np
 import OpenImageIO as oiio
 
 from ..errors import PylmcError
+from .replacement import Replacement
 
 PREFIX = "pylmc:"
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear sRGB primaries
 MIDDLE_GREY = 0.18
 
 
-def write_exr(path: str | Path, image: np.ndarray, metadata: Mapping[str, Any] | None = None) -> None:
+def write_exr(
+    path: str | Path, image: np.ndarray, metadata: Mapping[str, Any] | None = None, files: Replacement | None = None
+) -> None:
     """Write ``image`` (height, width, 3), linear, as float32 EXR; ``metadata`` as strings named "pylmc:<key>".
 
-    Raises PylmcError if the file cannot be written.
+    The file appears when it is whole, or with the others of ``files``. Raises PylmcError if it cannot be written.
     """
     pixels = np.ascontiguousarray(_as_rgb(image, path), dtype=np.float32)
     height, width, _ = pixels.shape
@@ -27,7 +31,7 @@ def write_exr(path: str | Path, image: np.ndarray, metadata: Mapping[str, Any] |
     spec.attribute("compression", "zip")
     for key, value in (metadata or {}).items():
         spec.attribute(key if key.startswith(PREFIX) else PREFIX + key, str(value))
-    _write(path, "exr", spec, pixels)
+    _write(path, "exr", spec, pixels, files)
 
 
 def read_exr(path: str | Path) -> tuple[np.ndarray, dict[str, str]]:
@@ -38,7 +42,7 @@ def read_exr(path: str | Path) -> tuple[np.ndarray, dict[str, str]]:
     """
     if not Path(path).is_file():
         raise PylmcError(f"{path}: no such file; check the path")
-    source = oiio.ImageInput.open(str(path))
+    source = oiio.ImageInput.open(_utf8(path))
     if source is None:
         raise PylmcError(f"{path}: not a readable picture ({_reason(oiio.geterror())}); give an EXR file")
     try:
@@ -99,12 +103,12 @@ def srgb_decode(encoded: np.ndarray) -> np.ndarray:
     return np.where(encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0) + 0.055) / 1.055) ** 2.4)
 
 
-def write_png(path: str | Path, image: np.ndarray) -> None:
-    """Write ``image`` (height, width, 3) as PNG: uint8 as it is, anything else tone-mapped first."""
+def write_png(path: str | Path, image: np.ndarray, files: Replacement | None = None) -> None:
+    """Write ``image`` (height, width, 3) as PNG: uint8 as it is, anything else tone-mapped first; ``files`` as above."""
     pixels = _as_rgb(image, path)
     pixels = np.ascontiguousarray(pixels if pixels.dtype == np.uint8 else tonemap(pixels))
     height, width, _ = pixels.shape
-    _write(path, "png", oiio.ImageSpec(width, height, 3, "uint8"), pixels)
+    _write(path, "png", oiio.ImageSpec(width, height, 3, "uint8"), pixels, files)
 
 
 def _as_rgb(image: np.ndarray, path: str | Path) -> np.ndarray:
@@ -114,19 +118,30 @@ def _as_rgb(image: np.ndarray, path: str | Path) -> np.ndarray:
     return pixels
 
 
-def _write(path: str | Path, kind: str, spec: oiio.ImageSpec, pixels: np.ndarray) -> None:
+def _write(path: str | Path, kind: str, spec: oiio.ImageSpec, pixels: np.ndarray, files: Replacement | None) -> None:
     """Write ``pixels`` in the format ``kind``, whatever the path's ending."""
     if not Path(path).parent.is_dir():
         raise PylmcError(f"{path}: the folder '{Path(path).parent}' does not exist; create it first")
     if Path(path).is_dir():
         raise PylmcError(f"{path}: is a folder; name a file in it")
+    if files is None:
+        with Replacement() as alone:
+            return _write(path, kind, spec, pixels, alone)
     output = oiio.ImageOutput.create(kind)
     if output is None:
         raise PylmcError(f"{path}: OpenImageIO has no {kind.upper()} writer here; reinstall the package OpenImageIO")
-    written = output.open(str(path), spec) and output.write_image(pixels)
+    written = output.open(_utf8(files.path_for(path)), spec) and output.write_image(pixels)
     reason = "" if written else _reason(output.geterror())
     if not output.close() or not written:
         raise PylmcError(f"{path}: cannot be written ({reason or _reason(output.geterror())}); check folder and space")
+
+
+def _utf8(path: str | Path) -> str:
+    """A file's name as OpenImageIO takes it: its bytes are UTF-8 there, whatever the locale's encoding."""
+    try:
+        return os.fsencode(path).decode("utf-8")
+    except UnicodeDecodeError:
+        raise PylmcError(f"{path}: OpenImageIO takes UTF-8 names only; rename the file or its folder") from None
 
 
 def _reason(message: str) -> str:
