@@ -4,27 +4,25 @@ from __future__ import annotations
 
 import json
 import platform
-import signal
-import threading
 import time
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyopencl
-from tqdm import tqdm
 
 from .errors import PylmcError, PylmcWarning
 from .integrators import Integrator
 from .integrators.bdpt import Bidirectional
 from .integrators.lmc import LangevinMonteCarlo
 from .integrators.path import PathTracer
+from .interruption import Asked, gently
 from .options import check_names
 from .picture.statistics import LUMINANCE, relative_error
+from .progress import Progress
 from .sampling.sampler import Sampler
 from .scene import Scene
 from .settings import DEFAULT_SECONDS, Run, Settings, explained
@@ -78,27 +76,6 @@ class Render:
         return [target, target.with_suffix(".png"), target.with_suffix(".json")]
 
 
-@contextmanager
-def _gentle_interrupt() -> Iterator[threading.Event]:
-    """Ctrl-C sets an event, so that a launch under way is not lost; a second Ctrl-C interrupts as usual."""
-    asked = threading.Event()
-    if threading.current_thread() is not threading.main_thread():
-        yield asked
-        return
-    before = signal.getsignal(signal.SIGINT)
-
-    def handle(number: int, frame: Any) -> None:
-        if asked.is_set():
-            raise KeyboardInterrupt
-        asked.set()
-
-    signal.signal(signal.SIGINT, handle)
-    try:
-        yield asked
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
 @explained(Run, Settings)
 def render(
     scene: Scene,
@@ -126,7 +103,7 @@ def render(
     sampler = Sampler(scene, device=device, precision=precision, **settings)
     kinds: dict[str, Any] = {"lmc": LangevinMonteCarlo, "bdpt": Bidirectional, "path": PathTracer}
     worker: Integrator = kinds[integrator](sampler)
-    with _gentle_interrupt() as asked:
+    with gently() as asked:
         work = None if mutations_per_pixel is None else mutations_per_pixel * sampler.film_pixels
         quick = seconds < QUICK_SECONDS if seconds is not None else (work or 0) < QUICK_MUTATIONS
         worker.prepare(seed, quick)
@@ -189,12 +166,10 @@ def _warn_of_range(image: np.ndarray) -> None:
         )
 
 
-def _run(worker: Integrator, seconds: float | None, work: float | None, progress: bool, asked: threading.Event) -> None:
+def _run(worker: Integrator, seconds: float | None, work: float | None, shown: bool, asked: Asked) -> None:
     """Advance until the budget is spent or somebody asks to stop, closing BATCHES batches on the way."""
     start, goal = time.perf_counter(), float(seconds if seconds is not None else work or 0)
-    unit = "s" if seconds is not None else worker.unit
-    layout = "{desc} {percentage:3.0f}% |{bar}| time left {remaining}{postfix}"
-    with tqdm(total=goal, unit=unit, disable=not progress, desc="rendering", bar_format=layout) as bar:
+    with closing(Progress(goal, shown)) as progress:
         batch, error = 1, None
         spent = 0.0
         while spent < goal and not asked.is_set():
@@ -204,13 +179,12 @@ def _run(worker: Integrator, seconds: float | None, work: float | None, progress
             if spent >= goal * batch / BATCHES:
                 worker.end_batch()
                 batch = int(spent / goal * BATCHES) + 1
-                if progress:
+                if shown:
                     error = relative_error(worker.image(), worker.variance())
-            bar.n = min(spent, goal)
             note = {worker.unit + "/s": f"{worker.done / elapsed:.3g}", **worker.note()}
             if error is not None:
                 note["error"] = f"{100 * error:.1f}%"
-            bar.set_postfix(note)
+            progress.show(spent, note)
     worker.end_batch()
 
 

@@ -32,7 +32,7 @@ exit codes:
   1    done, but stdout could not be written: it is closed or full (a picture is written all the same)
   2    bad input, or a file or device that cannot be used: one line on stderr says what and what to do
   130  ended by Ctrl-C (SIGINT); 143 by SIGTERM, 129 by SIGHUP: `render` writes the picture so far, and says so; a
-       second signal ends it at once
+       second Ctrl-C ends it at once
 """
 
 

@@ -1,7 +1,8 @@
 """The `pylmc` command.
 
-Whatever a person got wrong comes out as one line, ``pylmc: error: …``, with exit code 2. An interrupted command exits
-with 130; an interrupted render writes the picture so far first.
+Whatever a person got wrong comes out as one line, ``pylmc: error: …``, with exit code 2. A command that a signal ends
+exits with 128 and the signal's number; a render writes the picture so far first. Output that cannot be written stops
+nothing, and makes the exit code 1.
 """
 
 from __future__ import annotations
@@ -9,13 +10,10 @@ from __future__ import annotations
 import argparse
 import importlib
 import inspect
-import io
 import math
 import os
 import re
-import signal
 import sys
-import threading
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -23,35 +21,48 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import PylmcError, PylmcWarning
+from ..interruption import gently
 from ..settings import Run, Settings
 from .arguments import build_parser, given, refuse_what_does_not_concern
+from .signals import Signals
+from .streams import outputs
 
 __all__ = ["main"]
 
-INTERRUPTED = 130
+OUTPUT_LOST = 1
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command with ``arguments`` (``sys.argv[1:]`` if None) and return its exit code."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")  # a file's name must not break a terminal of few characters
+    with outputs() as out, Signals() as signals:
+        code = _run(arguments, signals)
+        out.flush()
+        if out.error is None:
+            return code
+        if not isinstance(out.error, BrokenPipeError):  # of `pylmc … | head`, which has seen enough
+            _complain(f"error: stdout cannot be written ({out.error.strerror}); the text meant for it is lost")
+        return code or OUTPUT_LOST
+
+
+def _run(arguments: Sequence[str] | None, signals: Signals) -> int:
     try:
         commands = {"render": _render, "info": _info, "compare": _compare, "devices": _devices, "scenes": _scenes}
-        options = build_parser(commands).parse_args(arguments)
+        options = build_parser(commands).parse_args(arguments, argparse.Namespace(signals=signals))
         with _one_line_warnings():
             code: int = options.run(options)
-        sys.stdout.flush()
         return code
     except PylmcError as error:
-        print(f"pylmc: error: {' '.join(str(error).split())}", file=sys.stderr)
+        _complain(f"error: {error}")
         return 2
     except KeyboardInterrupt:
-        print("pylmc: interrupted; nothing was written", file=sys.stderr)
-        return INTERRUPTED
-    except BrokenPipeError:  # the reader of `pylmc … | head` has left; Python must not complain about it at exit
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
+        _complain(f"interrupted by {signals.name}; nothing was written")
+        return signals.code
+    except SystemExit as done:  # of --help and --version
+        return int(done.code or 0)
+
+
+def _complain(text: str) -> None:
+    print(f"pylmc: {' '.join(text.split())}", file=sys.stderr, flush=True)
 
 
 @contextmanager
@@ -63,7 +74,7 @@ def _one_line_warnings() -> Iterator[None]:
 
         def show(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
             if issubclass(category, PylmcWarning):
-                print(f"pylmc: warning: {' '.join(str(message).split())}", file=sys.stderr)
+                _complain(f"warning: {message}")
             else:
                 others(message, category, *place, **more)
 
@@ -72,19 +83,13 @@ def _one_line_warnings() -> Iterator[None]:
 
 
 def _import(*modules: str) -> None:
-    """Import modules of the package; a Ctrl-C meanwhile takes effect afterwards.
+    """Import modules of the package; a signal meanwhile takes effect afterwards.
 
     trimesh guards its optional imports with ``except BaseException`` and would swallow it.
     """
-    asked = threading.Event()
-    in_main_thread = threading.current_thread() is threading.main_thread()
-    before = signal.signal(signal.SIGINT, lambda *_: asked.set()) if in_main_thread else None
-    try:
+    with gently() as asked:
         for module in modules:
             importlib.import_module(f"pylmc.{module}")
-    finally:
-        if in_main_thread:
-            signal.signal(signal.SIGINT, before)
     if asked.is_set():
         raise KeyboardInterrupt
 
@@ -103,20 +108,22 @@ def _render(options: argparse.Namespace) -> int:
 
     survey.select(options.device)  # complain about the device before a scene is loaded
     scene = _load(options, scene_name, parameters)
-    picture = pylmc.render(scene, progress=not options.quiet, **given(options, Run), **given(options, Settings))
-    interrupted = bool(picture.diagnostics.get("interrupted"))
-    if interrupted and 0 in (picture.diagnostics.get("mutations"), picture.diagnostics.get("samples")):
-        raise KeyboardInterrupt  # a black picture must not replace an earlier one
-    try:
-        output.parent.mkdir(parents=True, exist_ok=True)
-        written = picture.save(output)
-    except OSError as error:
-        raise PylmcError(f"cannot write {output}: {error.strerror or error}") from None
-    if interrupted:
-        print("pylmc: interrupted; the picture so far was written", file=sys.stderr)
+    with gently() as asked:  # until the picture is on the disk
+        picture = pylmc.render(scene, progress=not options.quiet, **given(options, Run), **given(options, Settings))
+        interrupted = bool(picture.diagnostics.get("interrupted"))
+        if interrupted and 0 in (picture.diagnostics.get("mutations"), picture.diagnostics.get("samples")):
+            raise KeyboardInterrupt  # a black picture must not replace an earlier one
+        try:
+            output.parent.mkdir(parents=True, exist_ok=True)
+            written = picture.save(output)
+        except OSError as error:
+            raise PylmcError(f"cannot write {output}: {error.strerror or error}") from None
+    if interrupted or asked.is_set():
+        what = "the picture so far was written" if interrupted else "the picture was done and is written"
+        _complain(f"interrupted by {options.signals.name}; {what}")
     if not options.quiet:
         print("wrote", ", ".join(str(path) for path in written))
-    return INTERRUPTED if interrupted else 0
+    return options.signals.code if interrupted or asked.is_set() else 0
 
 
 def _info(options: argparse.Namespace) -> int:

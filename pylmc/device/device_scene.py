@@ -15,6 +15,7 @@ from ..sampling import evenness
 from ..sampling.compiled import CompiledScene
 from ..settings import Settings
 from . import program, structs, tables
+from .handlers import kept_handlers
 from .precision import NAME_OF_REAL, on_device, real_fields
 from .survey import context_and_queue, select
 
@@ -94,8 +95,9 @@ class DeviceScene:
     def compiling(self) -> Iterator[None]:
         """Count what happens here as compile time: some implementations compile for real at a kernel's first launch."""
         start = time.perf_counter()
-        yield
-        self.queue.finish()
+        with kept_handlers():
+            yield
+            self.queue.finish()
         self.compile_seconds += time.perf_counter() - start
 
     def _check_size(self, nbytes: int) -> None:

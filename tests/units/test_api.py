@@ -1,13 +1,10 @@
-"""The API as its users meet it: names, render, save, Sampler, RayTracer, and Ctrl-C."""
+"""The API as its users meet it: names, render, save, Sampler, RayTracer."""
 
 import inspect
 import json
-import os
-import signal
 import subprocess
 import sys
 import textwrap
-import time
 from pathlib import Path
 from typing import Any
 
@@ -227,62 +224,3 @@ def test_raytracer() -> None:
     assert not tracer.any_hit(origins[:1], directions[:1], 1.0).astype(bool)[0]
     with pytest.raises(PylmcError, match="NaN"):
         tracer.closest_hit([[np.nan, 0, 0]], [[0, 0, 1]], 1.0)
-
-
-# --- Ctrl-C -----------------------------------------------------------------------------------------------------------
-
-
-def interrupted(arguments: list[str], until: str, folder: Path) -> tuple[int, str]:
-    """Run the command, send SIGINT when stderr has shown ``until``; its exit code and what else stderr said."""
-    command = [sys.executable, "-u", "-m", "pylmc", *arguments]
-    environ = {**os.environ, "PYTHONPATH": str(Path(pylmc.__file__).parents[1])}
-    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, cwd=folder, env=environ) as process:
-        assert process.stderr is not None
-        said = b""
-        while until.encode() not in said:
-            byte = process.stderr.read1(4096)  # type: ignore[attr-defined]
-            assert byte, f"ended before it said '{until}': {said.decode()}"
-            said += byte
-        process.send_signal(signal.SIGINT)
-        rest = process.stderr.read()
-        return process.wait(timeout=60), (said + rest).decode()
-
-
-@pytest.mark.parametrize("integrator", ["lmc", "path"])
-def test_interrupt_while_rendering_keeps_the_picture(integrator: str, tmp_path: Path) -> None:
-    code, said = interrupted(
-        [
-            "render",
-            "box",
-            "--size",
-            "16x16",
-            "--max-depth",
-            "2",
-            "--seconds",
-            "100",
-            "--integrator",
-            integrator,
-            "-o",
-            "box.exr",
-        ],
-        "/s=",
-        tmp_path,
-    )
-    assert code == 130 and "so far" in said and "Traceback" not in said
-    assert json.loads((tmp_path / "box.json").read_text())["interrupted"] is True
-    assert read_exr(tmp_path / "box.exr")[0].sum() > 0 and (tmp_path / "box.png").exists()
-
-
-def test_interrupt_early_writes_nothing(tmp_path: Path) -> None:
-    """At any moment before the first sample, the first second's imports included."""
-    command = [sys.executable, "-m", "pylmc", "render", "box", "--size", "16x16", "--seconds", "100", "-o", "box.exr"]
-    environ = {**os.environ, "PYTHONPATH": str(Path(pylmc.__file__).parents[1])}
-    for wait in (0.25, 0.5):
-        with subprocess.Popen(command, stderr=subprocess.PIPE, cwd=tmp_path, env=environ, text=True) as process:
-            time.sleep(wait)
-            process.send_signal(signal.SIGINT)
-            _, said = process.communicate(timeout=60)
-        assert process.returncode in (130, -signal.SIGINT), said  # the latter before pylmc has the word
-        if process.returncode == 130 and "so far" not in said:
-            assert "nothing was written" in said and "Traceback" not in said
-            assert not (tmp_path / "box.exr").exists()
