@@ -9,6 +9,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from . import caches
+
 if TYPE_CHECKING:
     from .device.raytracer import RayTracer as RayTracer
     from .errors import PylmcError as PylmcError
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
 
     __version__: str
     __all__: list[str]
+
+caches.mend()
 
 _HOME = {
     "errors": ("PylmcError", "PylmcWarning"),

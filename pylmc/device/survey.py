@@ -23,12 +23,14 @@ import subprocess
 import sys
 import tempfile
 import time
+import warnings
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..errors import PylmcError
+from .. import caches
+from ..errors import PylmcError, PylmcWarning
 from .implementations import Implementation, implementations, path_with, resolve
 
 if TYPE_CHECKING:
@@ -199,6 +201,8 @@ def _load_implementations() -> None:
     """Have the ICD loader open the implementations that survived their test; it does so only once per process."""
     import pyopencl as cl
 
+    if caches.complaint():
+        warnings.warn(caches.complaint(), PylmcWarning, stacklevel=2)
     chosen = [implementation for implementation in _survey().loadable if implementation.library]
     if not chosen:
         return
@@ -373,7 +377,9 @@ def _fingerprint(implementation: Implementation) -> str:
     with contextlib.suppress(OSError):  # the kernel's side of NVIDIA's driver
         facts.append(Path("/proc/driver/nvidia/version").read_text(encoding="utf-8", errors="replace"))
     prefixes = ("POCL_", "OCL_", "CL_", "RUSTICL_", "CUDA_", "NVIDIA_", "HIP_", "ROCR_", "LD_LIBRARY_PATH", "PATH")
-    facts.append(sorted((name, value) for name, value in os.environ.items() if name.startswith(prefixes)))
+    looked_at = {name: value for name, value in os.environ.items() if name.startswith(prefixes)}
+    looked_at.pop("POCL_CACHE_DIR", None)  # always one that can be written: see pylmc.caches
+    facts.append(sorted(looked_at.items()))
     return hashlib.sha256(json.dumps(facts).encode()).hexdigest()
 
 
