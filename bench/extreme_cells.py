@@ -23,7 +23,7 @@ import numpy as np
 from scipy.stats import norm
 
 from pylmc import PylmcError, PylmcWarning, Sampler, Scene
-from pylmc.picture.statistics import LUMINANCE
+from pylmc.colour import LUMINANCE
 
 BLOCKS = 4  # per side of the film
 BURN, ROUNDS, BETWEEN = 32, 6, 8  # steps of each chain before, and between, its trials

@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from pylmc.colour import LUMINANCE
 from pylmc.integrators.bdpt import Bidirectional
 from pylmc.integrators.lmc import LangevinMonteCarlo
 from pylmc.integrators.path import PathTracer
-from pylmc.picture.statistics import LUMINANCE
+from pylmc.picture.metrics import trimmed
+from pylmc.picture.statistics import relative_square
 from pylmc.sampling.chains import STEPS_PER_LAUNCH
 from pylmc.sampling.sampler import Sampler
 from pylmc.scene import Scene
@@ -112,11 +114,8 @@ def reference(scene: Scene, depths: Sequence[int], seconds: float, runs: int = 6
 
 def relative_mse(picture: np.ndarray, mean: np.ndarray, variance: np.ndarray) -> float:
     """relMSE of a luminance picture without the worst 0.1 % of its pixels, less what the reference's own noise adds."""
-    floor = 1e-2 * float(mean.mean()) ** 2
-    error = np.sort(((picture - mean) ** 2 / (mean**2 + floor)).ravel())
-    noise = np.sort((variance / (mean**2 + floor)).ravel())
-    kept = error.size - int(np.ceil(1e-3 * error.size))
-    return float(error[:kept].mean() - noise[:kept].mean())
+    error, noise = (trimmed(relative_square(square, mean)) for square in ((picture - mean) ** 2, variance))
+    return float(error.mean() - noise.mean())
 
 
 def cell_bias(pictures: Sequence[np.ndarray], mean: np.ndarray, variance: np.ndarray, cells: int = 16) -> tuple[float, float]:
@@ -128,9 +127,8 @@ def cell_bias(pictures: Sequence[np.ndarray], mean: np.ndarray, variance: np.nda
     blocks = [_cells(picture, cells) for picture in pictures]
     truth = _cells(mean, cells)
     spread = np.var(blocks, axis=0, ddof=1) / len(blocks) + _cells(variance, cells) / (mean.size / cells**2)
-    scale = truth**2 + 1e-2 * truth.mean() ** 2
-    excess = ((np.mean(blocks, axis=0) - truth) ** 2 - spread) / scale
-    noise = np.sqrt(2 / excess.size) * float((spread / scale).mean())
+    excess = relative_square((np.mean(blocks, axis=0) - truth) ** 2 - spread, truth)
+    noise = np.sqrt(2 / excess.size) * float(relative_square(spread, truth).mean())
     return float(np.sqrt(max(excess.mean(), 0.0))), float(np.sqrt(noise))
 
 

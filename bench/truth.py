@@ -26,8 +26,8 @@ from tests.comparison.to_mitsuba import mitsuba_runs
 from tests.comparison.to_pylmc import lmc_runs, path_runs, pylmc_scene
 from tests.comparison.verdict import Verdict, judge
 
-from pylmc.picture.image import exposure, tonemap
-from pylmc.picture.statistics import LUMINANCE
+from pylmc.colour import LUMINANCE
+from pylmc.picture.tonemap import exposure, tonemap
 
 matplotlib.use("Agg")
 from matplotlib import pyplot

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pyopencl
 
+from .colour import LUMINANCE
 from .errors import PylmcError, PylmcWarning
 from .integrators import Integrator
 from .integrators.bdpt import Bidirectional
@@ -21,7 +22,7 @@ from .integrators.lmc import LangevinMonteCarlo
 from .integrators.path import PathTracer
 from .interruption import Asked, gently
 from .options import check_names
-from .picture.statistics import LUMINANCE, relative_error
+from .picture.statistics import relative_error
 from .progress import Progress
 from .sampling.sampler import Sampler
 from .scene import Scene

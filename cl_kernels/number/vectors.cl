@@ -4,12 +4,14 @@
 
 #include "number/real.cl"
 
+// LUMINANCE_RED, _GREEN and _BLUE come from pylmc/colour.py.
+
 #define PI 3.141592653589793
 #define INV_PI 0.3183098861837907
 
 real square(real x) { return x * x; }
 real length2(real3 a) { return dot(a, a); }
-real luminance(real3 rgb) { return 0.212671 * rgb.x + 0.715160 * rgb.y + 0.072169 * rgb.z; }
+real luminance(real3 rgb) { return LUMINANCE_RED * rgb.x + LUMINANCE_GREEN * rgb.y + LUMINANCE_BLUE * rgb.z; }
 real max_component(real3 a) { return fmax(a.x, fmax(a.y, a.z)); }
 
 // A unit vector across the unit vector n (Duff et al. 2017). It jumps somewhere on the sphere, as every such rule must;

@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 import pyopencl as cl
 
+from ..colour import LUMINANCE
 from ..errors import PylmcError
 from .float_float import translate
 from .precision import REALS
@@ -167,6 +168,8 @@ def build(
     """
     constants: dict[str, object] = {**defines, "MATH_NATIVE": math == "native", "MATH_CONTRACT": math in MATH_OPTIONS}
     types = ""
+    # without a suffix, as the kernels write their numbers: the number type's own rounding applies
+    constants |= dict(zip(("LUMINANCE_RED", "LUMINANCE_GREEN", "LUMINANCE_BLUE"), map(repr, LUMINANCE.tolist()), strict=True))
     if real is not None:
         constants |= {f"REAL_{name.upper()}": i for i, name in enumerate(REALS)} | {"REAL": REALS.index(real)}
         types = source("number/float_float.cl" if real == "pair" else "number/real.cl")

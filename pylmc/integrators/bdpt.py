@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import pyopencl as cl
 
+from ..colour import LUMINANCE
 from ..device import tables
 from ..device.arrays import Film, Records
-from ..picture.statistics import LUMINANCE, BatchMeans
+from ..picture.statistics import BatchMeans
 from ..sampling.chains import STEPS_PER_LAUNCH
 from ..sampling.groups import Group
 from ..sampling.sampler import Sampler

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pyopencl as cl
 
-from ..picture.statistics import LUMINANCE, BatchMeans
+from ..colour import LUMINANCE
+from ..picture.statistics import BatchMeans
 from ..sampling.chains import STEPS_PER_LAUNCH
 from ..sampling.diagnostics import mixing
 from ..sampling.sampler import Sampler

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from ..colour import LUMINANCE
 from ..device.arrays import Records
-from ..picture.statistics import LUMINANCE, BatchMeans
+from ..picture.statistics import BatchMeans
 from ..sampling.sampler import Sampler
 
 PIXELS_PER_LAUNCH = 1 << 18  # keeps a launch short on large films, for the progress bar and Ctrl-C

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import OpenImageIO as oiio
 
+from ..colour import srgb_decode
 from ..errors import PylmcError
 from .replacement import Replacement
+from .tonemap import tonemap
 
 PREFIX = "pylmc:"
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear sRGB primaries
-MIDDLE_GREY = 0.18
 
 
 def write_exr(
@@ -62,49 +62,9 @@ def read_exr(path: str | Path) -> tuple[np.ndarray, dict[str, str]]:
     return np.ascontiguousarray(pixels), metadata
 
 
-def exposure(image: np.ndarray) -> tuple[float, float]:
-    """The factor that brings ``image`` (height, width, 3) to middle grey, and the exposed value that shall be white.
-
-    Grey is the logarithmic mean of the lit pixels' luminance, raised where the brightest hundredth lies far above, so
-    that a small beam in a dark room is not burnt out; single fireflies are among that hundredth and decide nothing.
-    """
-    pixels = np.where(np.isfinite(image), image, 0).astype(np.float64)
-    luminance = pixels.clip(min=0) @ LUMINANCE
-    lit = luminance[luminance > 0]
-    if lit.size == 0:
-        return 1.0, 1.0
-    bright = float(np.percentile(lit, 99))
-    typical = float(np.exp(np.log(lit[(lit >= 1e-6 * bright) & (lit <= bright)]).mean()))
-    scale = MIDDLE_GREY / max(typical, bright / 32)
-    return scale, max(1.0, bright * scale)
-
-
-def tonemap(image: np.ndarray, exposed: tuple[float, float] | None = None) -> np.ndarray:
-    """``image`` (height, width, 3), linear and of any scale, as sRGB uint8 for a screen.
-
-    After `exposure` (or ``exposed``, to show several pictures alike) Reinhard's extended curve rolls the highlights
-    off to white. Negative and NaN values become black, infinite ones white.
-    """
-    scale, white = exposure(image) if exposed is None else exposed
-    pixels = np.nan_to_num(np.asarray(image, dtype=np.float64), nan=0.0, posinf=np.inf, neginf=0.0)
-    pixels = np.minimum(pixels.clip(min=0) * scale, white)
-    curved = pixels * (1 + pixels / white**2) / (1 + pixels)
-    return np.rint(srgb_encode(curved) * 255).astype(np.uint8)
-
-
-def srgb_encode(linear: np.ndarray) -> np.ndarray:
-    """Linear values as sRGB, clipped to [0, 1]."""
-    linear = np.clip(linear, 0, 1)
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 0.0031308) ** (1 / 2.4) - 0.055)
-
-
-def srgb_decode(encoded: np.ndarray) -> np.ndarray:
-    """sRGB values in [0, 1] as linear ones."""
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0) + 0.055) / 1.055) ** 2.4)
-
-
 def write_png(path: str | Path, image: np.ndarray, files: Replacement | None = None) -> None:
     """Write ``image`` (height, width, 3) as PNG: uint8 as it is, anything else tone-mapped first; ``files`` as above."""
+
     pixels = _as_rgb(image, path)
     pixels = np.ascontiguousarray(pixels if pixels.dtype == np.uint8 else tonemap(pixels))
     height, width, _ = pixels.shape

@@ -8,7 +8,9 @@ import flip_evaluator
 import numpy as np
 
 from ..errors import PylmcError
-from .image import exposure, read_exr, tonemap, write_png
+from .image import read_exr, write_png
+from .statistics import relative_square
+from .tonemap import exposure, tonemap
 
 TRIMMED = 1e-3  # the part of the pixels, by error, that relMSE_trimmed leaves out
 GAP = 4  # pixels between the parts of the difference picture
@@ -55,10 +57,9 @@ def metrics(a: np.ndarray, b: np.ndarray) -> dict[str, float]:
     # All but MSE and MAE are free of scale: dividing by the brightest value keeps squares of extreme ones in range.
     unit = max(float(np.abs(a).max()), float(np.abs(b).max())) or 1.0
     difference, scaled = np.abs(a - b) / unit, b / unit
-    floor = max(1e-2 * float(scaled.mean()) ** 2, float(np.finfo(np.float64).tiny))
     with np.errstate(over="ignore"):
-        relative = (difference**2 / (scaled**2 + floor)).mean(axis=2).reshape(-1)
-        kept = np.sort(relative)[: relative.size - int(np.ceil(TRIMMED * relative.size))]
+        relative = relative_square(difference**2, scaled).mean(axis=2)
+        kept = trimmed(relative)
         figures = {"relMSE": float(relative.mean()), "relMSE_trimmed": float(kept.mean()) if kept.size else 0.0}
     total = (np.abs(a) + np.abs(b)) / unit
     ratio = np.divide(difference, total, out=np.zeros_like(difference), where=total > 0)
@@ -69,6 +70,11 @@ def metrics(a: np.ndarray, b: np.ndarray) -> dict[str, float]:
         "SMAPE": float(ratio.mean()),
         "FLIP": float(flip_map(a, b).mean()),
     }
+
+
+def trimmed(errors: np.ndarray) -> np.ndarray:
+    """Pixels' errors in rising order, without the worst 0.1 % of them."""
+    return np.sort(errors, axis=None)[: errors.size - int(np.ceil(TRIMMED * errors.size))]
 
 
 def flip_map(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-LUMINANCE = np.array([0.212671, 0.715160, 0.072169])
+from ..colour import LUMINANCE
+
+FLOOR = 1e-2  # of the squared mean brightness: what relMSE adds to its denominator, so that black pixels do not rule
 
 
 class BatchMeans:
@@ -31,15 +33,22 @@ class BatchMeans:
         return np.asarray(self._spread) / (self._weight * (self.count - 1))
 
 
+def relative_square(square: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """relMSE before its mean: squared differences (or variances) over reference² + FLOOR mean(reference)², per element.
+
+    A black reference makes differences from it infinite, and none zero.
+    """
+    floor = max(FLOOR * float(reference.mean()) ** 2, float(np.finfo(np.float64).tiny))
+    with np.errstate(over="ignore"):
+        return square / (reference**2 + floor)
+
+
 def relative_error(image: np.ndarray, variance: np.ndarray | None) -> float | None:
     """Root of the estimated relMSE of a picture (height, width, 3) from its luminance's variance (height, width).
 
-    The same measure as ``pylmc compare``'s relMSE, with the picture in the reference's place.
+    The same measure as ``pylmc compare``'s relMSE, with the picture in the reference's place; None for a black one.
     """
-    if variance is None:
-        return None
     brightness = image @ LUMINANCE
-    floor = 1e-2 * float(brightness.mean()) ** 2
-    if not floor > 0:
+    if variance is None or not float(brightness.mean()) ** 2 > 0:
         return None
-    return float(np.sqrt(np.mean(variance / (brightness**2 + floor))))
+    return float(np.sqrt(np.mean(relative_square(variance, brightness))))

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from ..colour import LUMINANCE
 from ..constraints.plan import NARROW_ALPHA, ConstraintPlan, plan_constraints
 from ..device import tables
 from ..device.precision import nominal, real_fields
@@ -22,7 +23,6 @@ from ..geometry.mesh import Mesh, Part, join
 from ..geometry.objects import SceneObject, find_objects
 from ..geometry.portals import find_portals
 from ..lobes import KINDS, REFERENCES, Lobe
-from ..picture.statistics import LUMINANCE
 from ..scene import PointLight, Portal, Scene, Shape, Texture
 from .evenness import GRID
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from studies.agreement import ALPHA, bdpt_batches, same_means, scene_of, sidak
 
+from pylmc.colour import LUMINANCE
 from pylmc.device.tables import ENDINGS
-from pylmc.picture.statistics import LUMINANCE
 from pylmc.sampling.sampler import Sampler
 
 SCENES = ("box", "keyhole", "caustic", "glints")

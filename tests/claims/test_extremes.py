@@ -19,7 +19,7 @@ from bench.extreme_cells import acceptance, bias, run
 from bench.extreme_scenes import AXES, Axis
 from bench.extremes import Z_LIMIT, verdict
 from pylmc import PylmcWarning, Sampler
-from pylmc.picture.statistics import LUMINANCE
+from pylmc.colour import LUMINANCE
 from pylmc.sampling.compiled import compile_scene
 from pylmc.sampling.limits import limits
 from pylmc.scene.loading import BUILT_IN

@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from pylmc.colour import LUMINANCE
 from pylmc.sampling.compiled import CompiledScene
 
 from .materials import side_by_side
 from .vectors import Array, dot, norm
-
-LUMINANCE = np.array([0.212671, 0.715160, 0.072169])
 
 
 class World:

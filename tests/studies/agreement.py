@@ -11,9 +11,9 @@ from scipy import stats
 from scipy.ndimage import uniform_filter
 
 import pylmc
+from pylmc.colour import LUMINANCE
 from pylmc.device.arrays import Records
 from pylmc.integrators.bdpt import Bidirectional
-from pylmc.picture.statistics import LUMINANCE
 from pylmc.sampling.chains import STEPS_PER_LAUNCH
 from pylmc.sampling.sampler import Sampler
 from pylmc.scene import Scene

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from ...colour import srgb_decode
 from ...errors import PylmcError
-from ...picture.image import srgb_decode
 from ..materials import Material, MetallicRoughness
 from ..materials.metallic_roughness import SMOOTHEST
 from ..texture import Texture

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ...checks import check_number
+from ...colour import LUMINANCE
 from ...lobes import Diffuse, Lobe, Reflect
-from ...picture.statistics import LUMINANCE
 from ..texture import Texture
 from ..values import as_rgb
 from .material import Material

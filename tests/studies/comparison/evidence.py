@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from pylmc.picture.image import exposure, tonemap, write_exr, write_png
+from pylmc.picture.image import write_exr, write_png
+from pylmc.picture.tonemap import exposure, tonemap
 
 from .verdict import LEVELS, Verdict
 
