@@ -20,14 +20,29 @@ typedef REAL_NAME(2) real2;
 typedef REAL_NAME(3) real3;
 typedef REAL_NAME(8) real8;
 
+#if REAL == REAL_FLOAT
+#include "number/elementary.cl"
+#undef exp
+#undef log
+#undef sin
+#undef cos
 #if MATH_NATIVE
+#undef sqrt
+#undef rsqrt
 #define exp native_exp
 #define log native_log
 #define sin native_sin
 #define cos native_cos
 #define sqrt native_sqrt
 #define rsqrt native_rsqrt
+#else
+#define exp exp_float
+#define log log_float
+#define sin sin_float
+#define cos cos_float
 #endif
+#endif
+#include "number/geometry.cl"
 
 // Entry k of a row of eights.
 real real8_at(const real8 *row, int k) { return ((const real *)row)[k]; }

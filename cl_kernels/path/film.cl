@@ -1,6 +1,6 @@
 // The film: 64-bit fixed point, two 32-bit words a channel, added with 32-bit atomics alone (OpenCL 1.2 core). The low
 // word's sum wraps; whoever sees it wrap carries one into the high word. Every wrap is seen once, so the sum is exact and
-// does not depend on the order of the additions: the same seed gives the same image, run after run, on any one device.
+// does not depend on the order of the additions: the same seed gives the same image, run after run.
 #ifndef PYLMC_FILM
 #define PYLMC_FILM
 

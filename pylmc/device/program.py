@@ -163,8 +163,9 @@ def build(
     ``structs`` are C declarations (see :mod:`pylmc.device.structs`) placed before the source. ``real`` is the kernels'
     number type, "float", "double" or "pair" (see :mod:`pylmc.device.precision`), which literals without a suffix become
     as well; None for a source that has no reals. ``math`` is as in :class:`pylmc.settings.Settings`: with ``exact`` and
-    ``native`` contraction of ``a * b + c`` is off, so devices differ by their built-in functions at most. Raises
-    PylmcError with the device, the first error's file and line, and the log's head.
+    ``native`` contraction of ``a * b + c`` is off, and with ``exact`` division and square root are rounded as IEEE 754
+    has it where the devices can, so that single precision gives the same bits on all of these. Raises PylmcError with the
+    device, the first error's file and line, and the log's head.
     """
     constants: dict[str, object] = {**defines, "MATH_NATIVE": math == "native", "MATH_CONTRACT": math in MATH_OPTIONS}
     types = ""
@@ -196,9 +197,17 @@ def build(
         text = translate(text)
     with quiet():
         try:
-            return cl.Program(context, text).build(options=list(MATH_OPTIONS.get(math, ())))
+            return cl.Program(context, text).build(options=_options(context, math))
         except cl.Error as error:
             raise PylmcError(_failure(context, main, str(error))) from error
+
+
+def _options(context: cl.Context, math: str) -> list[str]:
+    """What the compiler is told of ``math``."""
+    rounds = cl.device_fp_config.CORRECTLY_ROUNDED_DIVIDE_SQRT
+    if math == "exact" and all(device.single_fp_config & rounds for device in context.devices):
+        return ["-cl-fp32-correctly-rounded-divide-sqrt"]
+    return list(MATH_OPTIONS.get(math, ()))
 
 
 @contextmanager
