@@ -14,7 +14,7 @@ from ..errors import PylmcError
 from ..sampling import evenness
 from ..sampling.compiled import CompiledScene
 from ..settings import Settings
-from . import program, structs, tables
+from . import forks, program, structs, tables
 from .handlers import kept_handlers
 from .precision import NAME_OF_REAL, on_device, real_fields
 from .survey import context_and_queue, select
@@ -44,7 +44,7 @@ class DeviceScene:
                 f"math='{settings.math}' would let the compiler cancel the low words of pairs of floats, which "
                 f"precision '{precision}' computes in: use math='exact', or precision='single'"
             )
-        self.context, self.queue = context_and_queue(self.device)
+        self.context, self._queue = context_and_queue(self.device)
         self.compile_seconds = 0.0
         self._programs: dict[str, cl.Program] = {}
         self._kernels: dict[tuple[str, str], cl.Kernel] = {}
@@ -61,6 +61,12 @@ class DeviceScene:
         self._declare("ChainState", tables.chain_state(settings.max_depth, vertex))
         self._declare("ChainCounters", tables.chain_counters(settings.max_depth))
         self.buffers = {name: self._upload_scene_array(name, kind) for name, kind in tables.SCENE_ARRAYS.items()}
+
+    @property
+    def queue(self) -> cl.CommandQueue:
+        """The device's, in order. Raises PylmcError in a process forked from this one, where it would never answer."""
+        forks.check()
+        return self._queue
 
     def _declare(self, name: str, fields: Any) -> np.dtype:
         dtype, declaration = structs.declare(self.device, name, real_fields(fields, self.precision.device))

@@ -9,7 +9,8 @@ import pyopencl as cl
 
 from ..errors import PylmcError
 from ..geometry import bvh
-from . import program
+from . import forks, program
+from .survey import context_and_queue, select
 
 LOCAL_SIZE = 64  # one size throughout: PoCL compiles a kernel anew for each
 CHUNK = 1 << 22  # rays per launch, which bounds the buffers at about 200 MB
@@ -27,13 +28,8 @@ class RayTracer:
 
     def __init__(self, vertices: Any, faces: Any, device: Any = None, *, width: int = 8) -> None:
         tree = bvh.build(vertices, faces, width)
-        if not isinstance(device, cl.Device):
-            from .survey import select
-
-            device = select(device)
-        self.device: cl.Device = device
-        self._context = cl.Context([device])
-        self._queue = cl.CommandQueue(self._context)
+        self.device: cl.Device = device if isinstance(device, cl.Device) else select(device)
+        self._context, self._queue = context_and_queue(self.device)
         built = program.build(self._context, "entry/raytracer.cl", defines=tree.defines())
         self._closest = cl.Kernel(built, "trace_closest")
         self._any = cl.Kernel(built, "trace_any")
@@ -66,6 +62,7 @@ class RayTracer:
         return occluded.astype(bool)
 
     def _trace(self, kernel: cl.Kernel, rays: tuple[np.ndarray, ...], results: tuple[np.ndarray, ...]) -> None:
+        forks.check()
         for begin in range(0, len(rays[0]), CHUNK):
             chunk = slice(begin, begin + CHUNK)
             inputs = [cl.Buffer(self._context, _READ, hostbuf=part[chunk]) for part in rays]

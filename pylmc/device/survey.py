@@ -31,6 +31,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import caches
 from ..errors import PylmcError, PylmcWarning
+from . import forks
 from .implementations import Implementation, implementations, path_with, resolve
 
 if TYPE_CHECKING:
@@ -108,7 +109,7 @@ def select(spec: str | int | None = None) -> pyopencl.Device:
 
     ``spec`` is ``cpu``, ``gpu``, an index into ``usable()``, or part of a device's or platform's name (any case).
     ``None`` takes PYOPENCL_CTX if that is set, else the first of ``usable()``. Raises PylmcError if there is no such
-    device, naming what there is.
+    device, naming what there is, and in a process forked from one that used OpenCL.
     """
     if spec is not None and not isinstance(spec, str | int):
         raise PylmcError(f"device={spec!r}: give 'cpu', 'gpu', an index, part of a name, or a pyopencl.Device")
@@ -122,9 +123,10 @@ def select(spec: str | int | None = None) -> pyopencl.Device:
 
 
 def context_and_queue(device: pyopencl.Device) -> tuple[pyopencl.Context, pyopencl.CommandQueue]:
-    """A context that holds ``device`` alone, and an in-order queue on it."""
+    """A context that holds ``device`` alone, and an in-order queue on it. Raises PylmcError in a forked process."""
     import pyopencl as cl
 
+    forks.opening()
     context = cl.Context([device])
     return context, cl.CommandQueue(context)
 
@@ -184,6 +186,7 @@ def _open(info: DeviceInfo) -> pyopencl.Device:
     """The device in this process that ``info`` describes."""
     import pyopencl as cl
 
+    forks.opening()
     _load_implementations()
     for opened in cl.get_platforms():
         with contextlib.suppress(cl.Error):  # a platform without devices
