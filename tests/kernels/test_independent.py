@@ -13,8 +13,8 @@ from oracle.chains import read_paths, world_of, write_paths
 from oracle.independent import log_p as oracle_log_p
 from oracle.integrand import film_weight_at
 from oracle.integrand import log_pi as oracle_log_pi
-from oracle.lobes import DIELECTRIC_REFLECT, DIFFUSE, REFLECT, TRANSMIT
-from oracle.paths import CONNECT, Paths, paths_through
+from oracle.lobes import settled_lobe
+from oracle.paths import CONNECT, Paths, paths_through, surface
 from oracle.scene import World
 from oracle.vectors import dot
 from scipy import stats
@@ -41,15 +41,11 @@ def arbitrary_paths(world: World, length: int, ending: int, n: int, rng: np.rand
     u, v = (root * (1 - share)).astype(np.float32), (root * share).astype(np.float32)
     weights = np.stack([1 - u.astype(float) - v, u, v], axis=-1)
     material = world.materials[np.maximum(triangle, 0)]
-    glossy = rng.random((n, length)) >= material["choose_diffuse"]
-    dielectric = np.where(rng.random((n, length)) < 0.5, TRANSMIT, DIELECTRIC_REFLECT)
-    lobe = np.where(glossy, np.where(material["ior"] > 0, dielectric, REFLECT), DIFFUSE)
+    # any of its lobes, alike
+    lobe = np.argmax((material["choice"] > 0) * rng.random(material["choice"].shape), axis=-1)
     paths = paths_through(world, length, ending, light, triangle, weights, lobe)
-    # the dielectric's lobe is the one that the directions say
-    for i in range(1, length):
-        through = dot(paths.ng[:, i], paths.v[:, i]) * dot(paths.ng[:, i], paths.v[:, i + 1]) > 0
-        settled = np.where(through, TRANSMIT, DIELECTRIC_REFLECT)
-        paths.lobe[:, i] = np.where(paths.lobe[:, i] >= DIELECTRIC_REFLECT, settled, paths.lobe[:, i])
+    for i in range(1, length):  # of a pair, the one that the directions say
+        paths.lobe[:, i] = settled_lobe(surface(world, paths, i), paths.v[:, i], paths.v[:, i + 1])
     return paths, weights
 
 

@@ -29,7 +29,6 @@ from oracle.constraints import proposal_factor
 from oracle.displaced import displaced
 from oracle.independent import log_p
 from oracle.integrand import log_pi
-from oracle.lobes import TRANSMIT
 from oracle.paths import Paths, surface
 from oracle.random import CHAIN, Streams
 from oracle.rounding import Rounding, condition
@@ -98,7 +97,7 @@ def bent(world: World, paths: Paths) -> Array:
     for i in range(1, paths.length):
         here, v = surface(world, paths, i), paths.v[:, i]
         cosine2 = 1 - (1 - dot(here.ns, v) ** 2) / here.index_ratio(-v) ** 2
-        out |= (here.lobe == TRANSMIT) & (np.abs(cosine2) < 2e-4)
+        out |= here.refers_to("refracted") & (np.abs(cosine2) < 2e-4)
     return out
 
 

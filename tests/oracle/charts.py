@@ -12,8 +12,9 @@ import numpy as np
 
 from pylmc.settings import Settings
 
-from .lobes import DIELECTRIC_REFLECT, REFLECT, TRANSMIT, Surface, reference_direction
+from .lobes import Surface
 from .paths import Paths, surface
+from .references import reference_direction
 from .scene import World
 from .vectors import Array, any_tangent, dot, magnitude, mirror, norm, turn_minimally, unit
 
@@ -27,12 +28,11 @@ def carry_frame(s: Surface, v: Array, frame: Array, reference: Array) -> Array:
     """
     reflected = mirror(frame, s.ns)
     turned = np.where(
-        (s.lobe == TRANSMIT)[:, None],
+        s.refers_to("refracted")[:, None],
         turn_minimally(frame, v, reference),
         turn_minimally(reflected, mirror(v, s.ns), reference),
     )
-    straight = (s.lobe == REFLECT) | (s.lobe == DIELECTRIC_REFLECT)
-    return np.where(straight[:, None], reflected, turned)
+    return np.where(s.refers_to("mirror")[:, None], reflected, turned)
 
 
 def deviation_coefficients(rho2: Array, chart: str) -> tuple[Array, Array, Array]:

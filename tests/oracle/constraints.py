@@ -11,8 +11,9 @@ from pylmc.constraints.plan import combine
 
 from .charts import DEVIATION, NODE, PORTAL, Charts
 from .displaced import Moved
-from .lobes import DIFFUSE, TRANSMIT, Surface, reference_direction
+from .lobes import Surface
 from .paths import Paths, surface
+from .references import reference_direction
 from .scene import World
 from .tangents import Tangents
 from .vectors import Array, any_tangent, dot, unit
@@ -64,13 +65,13 @@ def lobe_axes(s: Surface, v: Array, reference: Array) -> tuple[Array, Array, Arr
     inward = np.where((dot(across, across) > 1e-8)[:, None], unit(across + 1e-300), any_tangent(reference))
     sideways = np.cross(reference, inward)
     ci = -dot(n, v)
-    through = s.lobe == TRANSMIT
+    through = s.refers_to("refracted")
     eta = np.where(through, 1 / s.index_ratio(-v), 1.0)
     ct = np.where(through, np.maximum(np.abs(dot(n, reference)), 0.1), -ci)
     turn = np.abs(eta * ci - ct)
     widths = np.stack([turn / np.maximum(np.abs(ct), 0.1), np.maximum(turn, 0.2)], axis=-1)
     widths = np.minimum(s.material["alpha"].astype(float)[:, None] * widths, 1)
-    return inward, sideways, np.where((s.lobe == DIFFUSE)[:, None], 1.0, widths)
+    return inward, sideways, np.where(s.refers_to("normal")[:, None], 1.0, widths)
 
 
 def constraint_rows(charts: Charts, tangents: Tangents) -> Rows:
@@ -165,7 +166,7 @@ def _dependent_lobes(rows: Rows, charts: Charts, tangents: Tangents) -> None:
     turned, references = tangents.of(lambda moved: moved.paths.v), tangents.of(lambda moved: moved.s)
     if m < base.length:
         here = surface(world, base, m)
-        diffuse = here.lobe == DIFFUSE
+        diffuse = here.refers_to("normal")
         s = np.where(diffuse[:, None], base.v[:, m + 1], reference_direction(here, base.v[:, m]))
         change = turned[:, m + 1] - np.where(diffuse[:, None, None], 0, references[:, m + 1])
         inward, sideways, widths = lobe_axes(here, base.v[:, m], s)
@@ -173,7 +174,7 @@ def _dependent_lobes(rows: Rows, charts: Charts, tangents: Tangents) -> None:
             rows.add(("lobe", "last"), np.einsum("ni,nik->nk", axis, change) / width[:, None], np.ones(len(s), bool))
     if m + 1 < base.length:
         here = surface(world, base, m + 1)
-        glossy = (here.lobe != DIFFUSE) & bool(world.features["HAS_NARROW"])
+        glossy = ~here.refers_to("normal") & bool(world.features["HAS_NARROW"])
         inward, sideways, widths = lobe_axes(here, base.v[:, m + 1], reference_direction(here, base.v[:, m + 1]))
         for axis, width in ((inward, widths[:, 0]), (sideways, widths[:, 1])):
             rows.add(("lobe", "next"), -np.einsum("ni,nik->nk", axis, references[:, m + 2]) / width[:, None], glossy)

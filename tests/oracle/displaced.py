@@ -12,8 +12,9 @@ import numpy as np
 
 from .charts import Charts, carry_frame
 from .integrand import importance
-from .lobes import lobe_value, reference_direction
+from .lobes import lobe_value
 from .paths import CONNECT, HIT, Paths, complete, surface
+from .references import reference_direction
 from .scene import LUMINANCE, World
 from .vectors import Array, dot, magnitude, turn_minimally
 

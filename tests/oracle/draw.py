@@ -8,18 +8,10 @@ import numpy as np
 
 from .displaced import keeps_off, visible
 from .integrand import importance, log_pi
-from .lobes import Surface
+from .lobes import Surface, choose_lobe, settled_lobe
 from .paths import CONNECT, HIT, Paths, complete, surface
 from .random import Streams
-from .sampling import (
-    choose_lobe,
-    sample_camera,
-    sample_emission,
-    sample_emitter,
-    sample_light,
-    sample_lobe,
-    settled_lobe,
-)
+from .sampling import sample_camera, sample_emission, sample_emitter, sample_light, sample_scatter
 from .scene import World
 from .vectors import Array, unit
 
@@ -74,7 +66,7 @@ def draw_path(world: World, length: int, ending: int, streams: Streams) -> tuple
             ok = importance(world, direction) > 0
         else:
             known = unit(draft.x[:, i - 2] - draft.x[:, i - 1])
-            direction, ok = sample_lobe(world, draft.node(i - 1), known, streams, wanted)
+            direction, ok = sample_scatter(world, draft.node(i - 1), known, streams, wanted)
         draft.alive &= ok | ~wanted
         draft.trace(i - 1, i, direction, wanted & draft.alive, streams)
     from_light = draft.alive & (split < length)
@@ -93,7 +85,7 @@ def draw_path(world: World, length: int, ending: int, streams: Streams) -> tuple
             direction, ok = sample_emission(world, draft.x[:, -1], normal, streams, wanted), everyone
         else:
             known = unit(draft.x[:, j + 2] - draft.x[:, j + 1])
-            direction, ok = sample_lobe(world, draft.node(j + 1), known, streams, wanted)
+            direction, ok = sample_scatter(world, draft.node(j + 1), known, streams, wanted)
         draft.alive &= ok | ~wanted
         draft.trace(j + 1, j, direction, wanted & draft.alive, streams)
     paths = settled(world, draft.path())

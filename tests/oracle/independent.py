@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .integrand import importance
-from .lobes import DIFFUSE, lobe_density
+from .lobes import AIMS, lobe_density
 from .paths import HIT, Paths, surface
 from .scene import World
 from .vectors import Array, dot
@@ -75,7 +75,7 @@ def scatter_density(world: World, paths: Paths, i: int, known: Array, other: Arr
     """Density of drawing ``other`` at node i, aiming included."""
     s = surface(world, paths, i)
     plain = lobe_density(s, known, other)
-    return np.where(s.lobe == DIFFUSE, aimed(world, s.x, other, plain, AIM_FROM_NODE), plain)
+    return np.where(AIMS[s.lobe], aimed(world, s.x, other, plain, AIM_FROM_NODE), plain)
 
 
 def point_chances(world: World) -> Array:
@@ -111,7 +111,5 @@ def log_p(world: World, paths: Paths) -> Array:
         for i in range(1, paths.free + 1):
             log_sum -= np.log(to_area[i])
         for i in range(1, last):
-            s = surface(world, paths, i)
-            chance = s.material["choose_diffuse"].astype(float)
-            log_sum += np.log(np.where(s.lobe == DIFFUSE, chance, 1 - chance))
+            log_sum += np.log(surface(world, paths, i).choice)
     return log_sum

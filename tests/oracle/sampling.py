@@ -9,19 +9,10 @@ import numpy as np
 
 from .independent import AIM_FROM_CAMERA, AIM_FROM_LIGHT, AIM_FROM_NODE, aim_share, aimed_half_size, cone_of_sphere
 from .integrand import film_direction
-from .lobes import DIELECTRIC_REFLECT, DIFFUSE, REFLECT, TRANSMIT, Surface
-from .microfacet import fresnel, visible_normal
+from .lobes import AIMS, Surface, sample_lobe
 from .random import Streams
 from .scene import World
-from .vectors import Array, any_tangent, dot, unit
-
-
-def about(axis: Array, cosine: Array, angle: Array) -> Array:
-    """Unit vectors at a cosine and azimuth about unit vectors."""
-    tangent = any_tangent(axis)
-    sine = np.sqrt(np.maximum(1 - cosine**2, 0))
-    flat = np.cos(angle)[:, None] * tangent + np.sin(angle)[:, None] * np.cross(axis, tangent)
-    return sine[:, None] * flat + cosine[:, None] * axis
+from .vectors import Array, about, unit
 
 
 def sample_target(world: World, target: np.void, x: Array, u1: Array, u2: Array) -> Array:
@@ -73,38 +64,11 @@ def sample_emission(world: World, x: Array, normal: Array | None, streams: Strea
     return np.where(aimed[:, None], direction, drawn)
 
 
-def choose_lobe(s: Surface, streams: Streams, wanted: Array) -> Array:
-    """A lobe of each material by its own chances; a dielectric's two lobes are one choice, and called the reflection."""
-    chance = s.material["choose_diffuse"].astype(float)
-    mixed = wanted & (chance > 0) & (chance < 1)
-    diffuse = (chance >= 1) | (mixed & (streams.uniform(mixed) < chance))
-    return np.where(diffuse, DIFFUSE, np.where(s.material["ior"] > 0, DIELECTRIC_REFLECT, REFLECT))
-
-
-def sample_lobe(world: World, s: Surface, known: Array, streams: Streams, wanted: Array) -> tuple[Array, Array]:
-    """(the other direction at nodes whose ``known`` direction is given, whether there is one)."""
-    n = np.where(dot(s.ns, known)[:, None] > 0, s.ns, -s.ns)
-    diffuse = wanted & (s.lobe == DIFFUSE)
-    direction, aimed = sample_aim(world, s.x, AIM_FROM_NODE, streams, diffuse)
-    plain = diffuse & ~aimed
-    u, angle = streams.uniform(plain), 2 * np.pi * streams.uniform(plain)
-    cosine_drawn = about(n, np.sqrt(1 - u), angle)
-
-    glossy = wanted & (s.lobe != DIFFUSE)
-    u1, u2 = streams.uniform(glossy), streams.uniform(glossy)
-    h = visible_normal(known, n, s.alpha, u1, u2, any_tangent(n))
-    kh = dot(known, h)
-    ok = kh > 0
-    dielectric = glossy & ok & (s.material["ior"] > 0)
-    eta = s.index_ratio(known)
-    through = dielectric & (streams.uniform(dielectric) >= fresnel(kh, eta))
-    cosine_t = np.sqrt(np.maximum(1 - (1 - kh**2) / eta**2, 0))
-    refracted = unit((kh / eta - cosine_t)[:, None] * h - known / eta[:, None])
-    reflected = 2 * kh[:, None] * h - known
-    bounced = np.where(through[:, None], refracted, reflected)
-    right_side = np.where(through, dot(bounced, n) < 0, dot(bounced, n) > 0)
-    out = np.where(aimed[:, None], direction, np.where(diffuse[:, None], cosine_drawn, bounced))
-    return out, wanted & (diffuse | (ok & right_side))
+def sample_scatter(world: World, s: Surface, known: Array, streams: Streams, wanted: Array) -> tuple[Array, Array]:
+    """(the other direction at nodes whose ``known`` direction is given, whether there is one), aiming included."""
+    direction, aimed = sample_aim(world, s.x, AIM_FROM_NODE, streams, wanted & AIMS[s.lobe])
+    drawn, ok = sample_lobe(s, known, streams, wanted & ~aimed)
+    return np.where(aimed[:, None], direction, drawn), aimed | ok
 
 
 def sample_light(world: World, streams: Streams, wanted: Array) -> Array:
@@ -121,10 +85,3 @@ def sample_emitter(world: World, streams: Streams, wanted: Array) -> tuple[Array
     triangle = world.arrays["emitter_triangles"][chosen]
     weights = np.stack([1 - root, root * (1 - share), root * share], axis=-1)
     return triangle, np.einsum("nk,nki->ni", weights, world.corners[triangle])
-
-
-def settled_lobe(s: Surface, arriving: Array, leaving: Array) -> Array:
-    """Which of a dielectric's two lobes the finished path uses."""
-    through = dot(s.ng, arriving) * dot(s.ng, leaving) > 0
-    dielectric = (s.lobe != DIFFUSE) & (s.material["ior"] > 0)
-    return np.where(dielectric, np.where(through, TRANSMIT, DIELECTRIC_REFLECT), s.lobe)

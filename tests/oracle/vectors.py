@@ -43,3 +43,26 @@ def any_tangent(n: Array) -> Array:
     s = np.copysign(1.0, n[..., 2])
     a = -1 / (s + n[..., 2])
     return np.stack([1 + s * n[..., 0] ** 2 * a, s * n[..., 0] * n[..., 1] * a, -s * n[..., 0]], axis=-1)
+
+
+def about(axis: Array, cosine: Array, angle: Array) -> Array:
+    """Unit vectors at a cosine and azimuth about unit vectors."""
+    tangent = any_tangent(axis)
+    sine = np.sqrt(np.maximum(1 - cosine**2, 0))
+    flat = np.cos(angle)[:, None] * tangent + np.sin(angle)[:, None] * np.cross(axis, tangent)
+    return sine[:, None] * flat + cosine[:, None] * axis
+
+
+def sphere(n_cos: int, n_phi: int, n: Array) -> tuple[Array, Array]:
+    """Directions and weights of a quadrature over the sphere about the axis n (3,).
+
+    Gauss-Legendre in cos θ, on either side of the equator, times the midpoint rule in φ.
+    """
+    z, weight = np.polynomial.legendre.leggauss(n_cos)
+    z, weight = np.concatenate([(z - 1) / 2, (z + 1) / 2]), np.concatenate([weight, weight]) / 2
+    phi = (np.arange(n_phi) + 0.5) * 2 * np.pi / n_phi
+    sine = np.sqrt(1 - z**2)[:, None]
+    tangent = unit(np.cross(n, [1.0, 0.0, 0.0]))
+    frame = np.stack([tangent, np.cross(n, tangent), n])
+    local = np.stack([sine * np.cos(phi), sine * np.sin(phi), np.broadcast_to(z[:, None], (len(z), n_phi))], axis=-1)
+    return local.reshape(-1, 3) @ frame, np.repeat(weight * 2 * np.pi / n_phi, n_phi)
