@@ -1,11 +1,11 @@
-"""The lobes that materials are sums of: the host's half of each, a file each (the device's: ``cl_kernels/lobes/``)."""
+"""The lobes that materials are sums of: the host's half, a file and a line here each (the device's: ``cl_kernels/lobes/``)."""
 
-from .base import REFERENCES, Lobe
-from .dielectric import DielectricReflect, DielectricTransmit
-from .diffuse import Diffuse
-from .reflect import Reflect
+from .base import REFERENCES as REFERENCES
+from .base import Lobe as Lobe
+from .dielectric import DielectricReflect as DielectricReflect
+from .dielectric import DielectricTransmit as DielectricTransmit
+from .diffuse import Diffuse as Diffuse
+from .reflect import Reflect as Reflect
 
 # A kind's place is its number: LOBE_<NAME> in the kernels, and what `States.lobes` shows.
-KINDS: tuple[type[Lobe], ...] = (Diffuse, Reflect, DielectricReflect, DielectricTransmit)
-
-__all__ = ["KINDS", "REFERENCES", "DielectricReflect", "DielectricTransmit", "Diffuse", "Lobe", "Reflect"]
+KINDS: tuple[type[Lobe], ...] = tuple(sorted(Lobe.kinds, key=lambda kind: kind.name))

@@ -31,7 +31,14 @@ class Lobe:
     fields: ClassVar[list[Any]] = []
     pair: ClassVar[int] = 0
 
+    kinds: ClassVar[list[type[Lobe]]] = []  # whoever has a name is registered by it
+
     share: float = 1.0
+
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        super().__init_subclass__(**keywords)
+        if "name" in vars(cls):
+            Lobe.kinds.append(cls)
 
     @property
     def width(self) -> float | None:
