@@ -2,6 +2,8 @@
 
 from .base import REFERENCES as REFERENCES
 from .base import Lobe as Lobe
+from .coat import Coat as Coat
+from .coated_diffuse import CoatedDiffuse as CoatedDiffuse
 from .dielectric import DielectricReflect as DielectricReflect
 from .dielectric import DielectricTransmit as DielectricTransmit
 from .diffuse import Diffuse as Diffuse

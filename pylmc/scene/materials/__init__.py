@@ -7,5 +7,6 @@ outside. Reflectances are linear RGB in [0, 1].
 from .diffuse import Diffuse as Diffuse
 from .material import Material as Material
 from .metallic_roughness import MetallicRoughness as MetallicRoughness
+from .plastic import Plastic as Plastic
 from .rough_conductor import RoughConductor as RoughConductor
 from .rough_dielectric import RoughDielectric as RoughDielectric
