@@ -16,7 +16,7 @@ from studies.comparison.to_pylmc import bdpt_runs, lmc_runs, path_runs
 from studies.comparison.verdict import judge
 
 from pylmc.sampling.sampler import Sampler
-from pylmc.scene import Camera, Diffuse, PointLight, RoughConductor, RoughDielectric, Scene, Shape
+from pylmc.scene import Camera, Diffuse, Material, Plastic, PointLight, RoughConductor, RoughDielectric, Scene, Shape
 from pylmc.scene.builtin._meshes import box, rectangle
 
 RUNS = 24
@@ -128,12 +128,13 @@ def test_enclosure_by_path_length() -> None:
 
 # --- lobes in a white furnace -----------------------------------------------------------------------------------------
 
-LOBES: dict[str, Diffuse | RoughConductor | RoughDielectric] = {
+LOBES: dict[str, Material] = {
     "diffuse": Diffuse(REFLECTANCE),
     "conductor": RoughConductor(0.3, REFLECTANCE),
     "conductor, separable masking": RoughConductor(0.8, REFLECTANCE, "separable"),
     "dielectric, from outside": RoughDielectric(0.4, 1.5),
     "dielectric, from inside": RoughDielectric(0.4, 1 / 1.5, "separable"),
+    "plastic": Plastic(REFLECTANCE, 0.3, 1.5),
 }
 STRIP = 6  # columns of the film that show one material
 FURNACE = len(LOBES) * len(INTEGRATORS)
@@ -181,16 +182,27 @@ def furnace_radiance(name: str, masking: str = "", compress: bool = True) -> Arr
     """
     material = LOBES[name]
     grid = np.linspace(0.1, 1.0, 91)
-    colour, whole = np.array(getattr(material, "reflectance", np.ones(3))), np.ones_like(grid)
-    if not isinstance(material, Diffuse):
+    colour, whole = np.array(getattr(material, "reflectance", np.ones(3))), np.ones((len(grid), 1))
+    if isinstance(material, Plastic):
+        # what enters the coat is spread by the base and leaves by the coat again; of diffuse light inside, the coat throws
+        # back what its inner side reflects, whose mean is taken as in the material
+        outside = ggx_albedo(grid, material.alpha, material.ior, False)
+        coarse = np.maximum(np.linspace(0, 1, 64), 1e-3)
+        thrown_back = 2 * np.mean(ggx_albedo(coarse, material.alpha, 1 / material.ior, False).reflected * coarse)
+        nodes, weight = np.polynomial.legendre.leggauss(32)
+        mu = (nodes + 1) / 2
+        leaves = (ggx_albedo(mu, material.alpha, material.ior, False).refracted * mu * weight).sum()
+        base = outside.refracted * leaves / (material.ior**2 * (1 - thrown_back))
+        whole, colour = outside.reflected[:, None] + base[:, None] * colour, 1.0
+    elif not isinstance(material, Diffuse):
         eta = getattr(material, "ior", None)
         albedo = ggx_albedo(grid, material.alpha, eta, (masking or material.masking) == "separable")
-        whole = albedo.reflected + albedo.refracted / ((eta or 1.0) ** 2 if compress else 1.0)
+        whole = (albedo.reflected + albedo.refracted / ((eta or 1.0) ** 2 if compress else 1.0))[:, None]
 
     def radiance(directions: Array) -> Array:
         cosine = -directions[:, 1]
         assert cosine.min() > grid[0]
-        return np.interp(cosine, grid, whole)[:, None] * colour
+        return np.stack([np.interp(cosine, grid, channel) for channel in (whole * colour).T], axis=-1)
 
     return pixel_means(furnace_camera(), radiance)[:, strip(name)]
 

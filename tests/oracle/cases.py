@@ -9,7 +9,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import pytest
-from studies.probes import textured_scene
+from studies.probes import textured_scene, varnished_scene
 
 import pylmc
 from pylmc.sampling.sampler import Sampler
@@ -17,15 +17,24 @@ from pylmc.sampling.states import ChainArrays
 from pylmc.scene import Scene
 
 DEPTH, CHAINS = 8, 120
+MADE = {"textured": textured_scene, "varnished": varnished_scene}
 SCENES: dict[str, dict[str, float]] = {
     "keyhole": {"hole": 0.1, "alpha": 0.05},
     "glints": {"size": 0.1, "alpha": 0.1},
     "caustic": {"alpha": 0.1},
     "box": {},
     "textured": {},
+    "varnished": {},
 }
-LOBES = {"keyhole": {0, 1}, "glints": {0, 1}, "caustic": {0, 2, 3}, "box": {0}, "textured": {0, 1}}
-ENDS = {"keyhole": {0}, "glints": {0}, "caustic": {1}, "box": {1}, "textured": {0, 1}}
+LOBES = {
+    "keyhole": {"diffuse", "reflect"},
+    "glints": {"diffuse", "reflect"},
+    "caustic": {"diffuse", "dielectric_reflect", "dielectric_transmit"},
+    "box": {"diffuse"},
+    "textured": {"diffuse", "reflect"},
+    "varnished": {"coat", "coated_diffuse", "diffuse"},
+}
+ENDS = {"keyhole": {0}, "glints": {0}, "caustic": {1}, "box": {1}, "textured": {0, 1}, "varnished": {0, 1}}
 
 
 class Case(NamedTuple):
@@ -54,6 +63,8 @@ CASES = [
     case("box", "single", **DEVIATION, **ORTHOGRAPHIC, rule="sum"),
     case("textured", "single", rule="sum"),
     case("textured", "mixed", **DEVIATION, rule="rms", drift=True),
+    case("varnished", "single", rule="sum"),
+    case("varnished", "double", **DEVIATION, rule="rms", drift=True),
 ]
 LONG = [
     case("keyhole", "double", constraints=("lobes", "objects"), rule="rms"),
@@ -70,7 +81,7 @@ LONG = [
 
 
 def scene_of(name: str) -> Scene:
-    return textured_scene() if name == "textured" else pylmc.load(name, **SCENES[name]).with_size(24, 18)
+    return MADE[name]() if name in MADE else pylmc.load(name, **SCENES[name]).with_size(24, 18)
 
 
 @cache

@@ -18,7 +18,7 @@ from pylmc.sampling.chains import STEPS_PER_LAUNCH
 from pylmc.sampling.sampler import Sampler
 from pylmc.scene import Scene
 
-from .probes import textured_scene
+from .probes import textured_scene, varnished_scene
 
 ALPHA = 1e-4
 SCENES: dict[str, tuple[str, dict[str, float]]] = {
@@ -27,12 +27,14 @@ SCENES: dict[str, tuple[str, dict[str, float]]] = {
     "glints": ("glints", {"size": 0.2, "alpha": 0.2}),
     "keyhole": ("keyhole", {"hole": 0.4, "alpha": 0.2}),
     "textured": ("", {}),
+    "varnished": ("", {}),
 }
+MADE = {"textured": textured_scene, "varnished": varnished_scene}
 
 
 def scene_of(name: str) -> Scene:
     builtin, parameters = SCENES[name]
-    return pylmc.load(builtin, **parameters).with_size(24, 18) if builtin else textured_scene()
+    return pylmc.load(builtin, **parameters).with_size(24, 18) if builtin else MADE[name]()
 
 
 def sidak(alpha: float, tests: int) -> float:

@@ -1,8 +1,8 @@
-"""What several test modules share: kernels of the tests' own, edited kernels, and a scene that uses textures."""
+"""What several test modules share: kernels of the tests' own, edited kernels, and scenes that use textures."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 from unittest.mock import patch
@@ -13,7 +13,7 @@ import trimesh
 
 from pylmc.device import program
 from pylmc.device.device_scene import DeviceScene
-from pylmc.scene import Camera, Diffuse, MetallicRoughness, PointLight, Scene, Shape, Texture
+from pylmc.scene import Camera, Diffuse, Material, MetallicRoughness, Plastic, PointLight, Scene, Shape, Texture
 
 
 def build_probe(device: DeviceScene, text: str, name: str, **extra: Any) -> cl.Kernel:
@@ -53,6 +53,15 @@ def edited_source(edits: Mapping[str, str]) -> Iterator[None]:
 
 def textured_scene() -> Scene:
     """A checkered floor of two lobes (diffuse and GGX) before a wall, with a panel and a point light: both endings."""
+    return _corner(lambda checks: MetallicRoughness(checks, metallic=0.4, roughness=0.6), Diffuse((0.5, 0.6, 0.7)))
+
+
+def varnished_scene() -> Scene:
+    """The same in plastics: a checkered floor of a wide coat, a wall of a narrow one."""
+    return _corner(lambda checks: Plastic(checks, 0.35, 1.5), Plastic((0.5, 0.6, 0.7), 0.15, 1.8, "separable"))
+
+
+def _corner(floor_material: Callable[[Texture], Material], wall_material: Material) -> Scene:
     rng = np.random.default_rng(0)
     checks = np.kron(np.indices((4, 4)).sum(axis=0) % 2, np.ones((2, 2)))[..., None]
     pixels = 0.2 + 0.6 * checks * np.array([1.0, 0.7, 0.4]) + 0.1 * rng.random((8, 8, 3))
@@ -63,8 +72,8 @@ def textured_scene() -> Scene:
     wall = (np.array([[-1, 0, -1], [1, 0, -1], [1, 1.5, -1], [-1, 1.5, -1]], float), np.array([[0, 1, 2], [0, 2, 3]]))
     panel = (np.array([[-0.4, 1.4, -0.2], [0.2, 1.4, -0.2], [0.2, 1.4, 0.4], [-0.4, 1.4, 0.4]]), wall[1])
     shapes = [
-        Shape(floor, MetallicRoughness(Texture(pixels), metallic=0.4, roughness=0.6), name="floor"),
-        Shape(wall, Diffuse((0.5, 0.6, 0.7)), name="wall"),
+        Shape(floor, floor_material(Texture(pixels)), name="floor"),
+        Shape(wall, wall_material, name="wall"),
         Shape(panel, Diffuse(0.2), emission=4.0, name="panel"),
     ]
     camera = Camera((0.3, 1.0, 2.2), (0, 0.4, -0.2), fov=45, width=24, height=18)
