@@ -38,7 +38,7 @@ int direction_kind(const Scene *scene, const Path *path, int j, real3 x, real3 *
 
 // The charts of directions 1 .. m. p is the frame at v_1. False where a direction is out of its own chart's reach.
 bool charts_of_path(const Scene *scene, const Path *path, int m, real3 p, Chart *charts) {
-    real3 x = vec3(scene->camera->origin);
+    real3 x = path->vertex[0].x;
     for (int j = 1; j <= m; j++) {
         Chart *chart = &charts[j];
         const Vertex *next = &path->vertex[j];

@@ -28,7 +28,7 @@ void add_moving_constraints(const Scene *scene, const Path *path, int m, real3 p
     for (int j = 2; j <= m; j++)
         if (charts[j].kind == KIND_DEVIATION) last_deviation = j;
 #endif
-    real3 x = vec3(scene->camera->origin);
+    real3 x = path->vertex[0].x;
     for (int j = 1; j <= m; j++) {
         const Chart *chart = &charts[j];
         const Vertex *here = &path->vertex[j - 1], *next = &path->vertex[j];
@@ -134,8 +134,7 @@ void add_moving_constraints(const Scene *scene, const Path *path, int m, real3 p
 void precondition(const Scene *scene, const Path *path, int m, real3 p, const Chart *charts, Factor *factor, Row *gradient) {
     factor->n = 2 * m;
     factor->constraints = 0;
-    for (int j = 1; j <= m; j++)
-        constrain_direction(scene, &charts[j], j, j == 1 ? vec3(scene->camera->origin) : path->vertex[j - 1].x, factor);
+    for (int j = 1; j <= m; j++) constrain_direction(scene, &charts[j], j, path->vertex[j - 1].x, factor);
 #if NEEDS_TANGENTS
     add_moving_constraints(scene, path, m, p, charts, factor, gradient);
 #endif

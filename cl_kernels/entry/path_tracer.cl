@@ -5,19 +5,20 @@
 #define PURPOSE_PATH 3u
 #define ROULETTE_FROM 4
 
-// Light that reaches the vertex straight from a point light, as seen from w_i.
-real3 point_light_sample(Scene *scene, Vertex *vertex, real3 wi, Rng *rng) {
+// Light that reaches the vertex straight from a light without area, as seen from w_i.
+real3 light_sample(Scene *scene, Vertex *vertex, real3 wi, Rng *rng) {
     real3 direct = (real3)(0.0);
-#if HAS_POINTS
-    int light = sample_point_light(scene, rng);
-    real3 towards = vec3(scene->points[light].position) - vertex->x;
+#if HAS_LIGHTS
+    int light = sample_light(scene, rng);
+    Vertex end;
+    place_at_light(scene, light, &end);
+    real3 towards = end.x - vertex->x;
     real distance2 = length2(towards), scale;
     real3 wo = towards * rsqrt(distance2);
     settle_lobe(scene, vertex, wi, wo);
     real3 value = lobe_value(scene, vertex, wi, wo, &scale);
-    scale /= distance2 * point_light_probability(scene, light);
-    if (scale > 0.0 && visible(scene, vertex->x, vertex->ng, vertex->x + towards, (real3)(0.0)))
-        direct = scale * value * vec3(scene->points[light].intensity);
+    scale /= distance2 * light_probability(scene, light);
+    if (scale > 0.0 && visible(scene, vertex, &end)) direct = scale * value * light_intensity(scene, light, -wo);
 #endif
     return direct;
 }
@@ -36,7 +37,7 @@ real3 emitter_sample(Scene *scene, Vertex *vertex, real3 wi, Rng *rng) {
     settle_lobe(scene, vertex, wi, wo);
     real3 value = lobe_value(scene, vertex, wi, wo, &scale);
     real density = emitter_density(scene, &light) * distance2 / cosine;
-    if (scale > 0.0 && visible(scene, vertex->x, vertex->ng, light.x, light.ng))
+    if (scale > 0.0 && visible(scene, vertex, &light))
         direct = scale / (density + lobe_density(scene, vertex, wi, wo)) * value * emitted_radiance(scene, &light, wo);
 #endif
     return direct;
@@ -45,7 +46,8 @@ real3 emitter_sample(Scene *scene, Vertex *vertex, real3 wi, Rng *rng) {
 real3 trace_path(Scene *scene, real3 v, int max_depth, Rng *rng) {
     real3 radiance = (real3)(0.0), throughput = (real3)(1.0);
     Vertex vertices[2];
-    Vertex *here = 0;
+    Vertex start, *here = &start;
+    start_at_camera(scene, &start);
     real density = INFINITY;  // of the direction v, by the lobe alone
     for (int depth = 1; depth <= max_depth; depth++) {
         Vertex *vertex = &vertices[depth & 1];
@@ -63,7 +65,7 @@ real3 trace_path(Scene *scene, real3 v, int max_depth, Rng *rng) {
         vertex->lobe = lobe;
         throughput /= choice_probability(scene, lobe);
         // two statements: C does not say which of two operands draws its random numbers first
-        radiance += throughput * point_light_sample(scene, vertex, -v, rng);
+        radiance += throughput * light_sample(scene, vertex, -v, rng);
         radiance += throughput * emitter_sample(scene, vertex, -v, rng);
         vertex->lobe = lobe;
         real3 wo;

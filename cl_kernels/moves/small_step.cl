@@ -19,10 +19,10 @@ bool displaced_path(Scene *scene, const Path *x, int m, const real *delta, const
     y->length = x->length;
     y->ending = x->ending;
     y->light = x->light;
+    y->vertex[0] = x->vertex[0];
     *log_jacobian = 0.0;
-    real3 node = vec3(scene->camera->origin);
     for (int j = 1; j <= m; j++) {
-        const Vertex *here = j > 1 ? &y->vertex[j - 1] : 0;
+        const Vertex *here = &y->vertex[j - 1];
         real3 s = p, v;  // s: of deviations only, which v_1 never is
         real jacobian;
 #if HAS_DEVIATION
@@ -31,7 +31,8 @@ bool displaced_path(Scene *scene, const Path *x, int m, const real *delta, const
             p = transport_frame(scene, here, here->v, p, s);
         }
 #endif
-        if (!chart_direction(&charts[j], (real2)(delta[2 * j - 2], delta[2 * j - 1]), node, s, p, &v, &jacobian)) return false;
+        if (!chart_direction(&charts[j], (real2)(delta[2 * j - 2], delta[2 * j - 1]), here->x, s, p, &v, &jacobian))
+            return false;
         *log_jacobian += jacobian;
         if (j == 1) {
             // cheap refusals first: off the film, nothing needs tracing
@@ -49,15 +50,10 @@ bool displaced_path(Scene *scene, const Path *x, int m, const real *delta, const
             if (next->lobe < 0) return false;
             if (is_narrow(scene, next) != is_narrow(scene, &x->vertex[j])) return false;
         }
-        node = next->x;
     }
     for (int j = m + 1; j <= y->length; j++) y->vertex[j] = x->vertex[j];
     if (m == y->length) return emitter_at(scene, &y->vertex[m]) != 0;
-    Vertex *far = &y->vertex[m + 1];
-    far->t = distance(far->x, node);
-    if (!(far->t > 0.0)) return false;
-    far->v = (far->x - node) / far->t;
-    return true;
+    return join_nodes(&y->vertex[m], &y->vertex[m + 1]);
 }
 
 // log dsigma/dA of the direction that joins a shorter block to the fixed node x_{m+1}: its delta is zero in its own chart.
@@ -97,24 +93,22 @@ int propose_small(Scene *scene, const Path *x, int m, real h, const real *xi, Pa
     *radiance = integrand(scene, y);
     if (radiance->log_i == LOG_ZERO) return STEP_NO_PATH;
     if (m < y->length) {
-        const Vertex *near = &y->vertex[m], *far = &y->vertex[m + 1];
-        if (!visible(scene, near->x, near->ng, far->x, far->ng)) return STEP_NO_PATH;
+        if (!visible(scene, &y->vertex[m], &y->vertex[m + 1])) return STEP_NO_PATH;
     }
     forward -= log_jacobian + joint_log_jacobian(y, m);
 
     // the reverse step, from X^ with its own charts and factor
     Chart charts_new[MAX_DEPTH + 1];
     if (!charts_of_path(scene, y, m, p_new, charts_new)) return STEP_NO_PATH;
-    real3 node = vec3(scene->camera->origin);
     for (int j = 1; j <= m; j++) {
         real2 back;
         real jacobian;
         if (charts_new[j].kind != charts[j].kind) return STEP_NO_PATH;
-        if (!chart_delta(&charts_new[j], node, x->vertex[j].v, charts[j].omega, &back, &jacobian)) return STEP_NO_PATH;
+        if (!chart_delta(&charts_new[j], x->vertex[j - 1].x, x->vertex[j].v, charts[j].omega, &back, &jacobian))
+            return STEP_NO_PATH;
         delta[2 * j - 2] = back.x / h;
         delta[2 * j - 1] = back.y / h;
         log_jacobian_back += jacobian;
-        node = x->vertex[j].x;
     }
     precondition(scene, y, m, p_new, charts_new, &factor, &gradient);
     factor_apply_transposed(&factor, delta, shift);

@@ -4,6 +4,12 @@
 #define PYLMC_CAMERA
 
 #include "lights/aiming.cl"
+#include "path/path.cl"
+
+void start_at_camera(const Scene *scene, Vertex *start) {
+    start->place = PLACE_PINHOLE;
+    start->x = vec3(scene->camera->origin);
+}
 
 // Film coordinates in [0, 1)^2, x to the right and y down, of direction v; false where it misses the film.
 bool film_position(const Scene *scene, real3 v, real2 *position) {

@@ -9,16 +9,14 @@ void load_path(const Scene *scene, __global const ChainState *state, Path *path)
     path->length = state->length;
     path->ending = state->ending;
     path->light = state->light;
+    start_at_camera(scene, &path->vertex[0]);
     for (int i = 1; i <= path->length; i++) {
         __global const ChainVertex *stored = &state->vertex[i - 1];
         Vertex *vertex = &path->vertex[i];
-        if (stored->triangle >= 0) {
+        if (i == path->length && path->ending == ENDING_CONNECT)
+            place_at_light(scene, path->light, vertex);
+        else
             place_on_triangle(scene, stored->triangle, stored->bu, stored->bv, vertex);
-        } else {
-            vertex->x = vec3(scene->points[path->light].position);
-            vertex->ng = (real3)(0.0);
-            vertex->triangle = -1;
-        }
         vertex->v = vec3(stored->v);
         vertex->t = stored->t;
         vertex->lobe = i < path->length ? lobe_like(scene, vertex->material, stored->lobe) : -1;

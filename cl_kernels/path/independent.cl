@@ -20,7 +20,7 @@ bool draw_from_camera(Scene *scene, Path *path, int k, Rng *rng) {
             if (!lobe_sample(scene, from, -from->v, rng, &direction)) return false;
         }
         Vertex *vertex = &path->vertex[i];
-        if (!trace_to_vertex(scene, i == 1 ? 0 : &path->vertex[i - 1], direction, vertex)) return false;
+        if (!trace_to_vertex(scene, &path->vertex[i - 1], direction, vertex)) return false;
         vertex->lobe = choose_lobe(scene, vertex->material, rng);
     }
     return true;
@@ -31,9 +31,8 @@ bool draw_from_light(Scene *scene, Path *path, int k, Rng *rng) {
     int length = path->length;
     Vertex *last = &path->vertex[length];
     if (path->ending == ENDING_CONNECT) {
-        path->light = sample_point_light(scene, rng);
-        last->x = vec3(scene->points[path->light].position);
-        last->ng = (real3)(0.0);
+        path->light = sample_light(scene, rng);
+        place_at_light(scene, path->light, last);
     } else {
         sample_emitter(scene, rng, last);
     }
@@ -41,7 +40,8 @@ bool draw_from_light(Scene *scene, Path *path, int k, Rng *rng) {
         Vertex *from = &path->vertex[j + 1], *vertex = &path->vertex[j];
         real3 direction;
         if (j == length - 1)
-            direction = sample_emission(scene, path->ending == ENDING_HIT ? last : 0, last->x, rng);
+            direction = path->ending == ENDING_HIT ? sample_emitter_emission(scene, last, rng)
+                                                   : sample_light_emission(scene, path->light, rng);
         else if (!lobe_sample(scene, from, path->vertex[j + 2].v, rng, &direction))
             return false;
         if (!trace_to_vertex(scene, from, direction, vertex)) return false;
@@ -62,20 +62,17 @@ bool sample_path(Scene *scene, int length, int ending, Rng *rng, Path *path, Rad
     path->length = length;
     path->ending = ending;
     path->light = 0;
+    start_at_camera(scene, &path->vertex[0]);
     int k = rng_index(rng, split_count(length, ending));
     if (!draw_from_camera(scene, path, k, rng)) return false;
     if (k < length) {
         if (!draw_from_light(scene, path, k, rng)) return false;
         Vertex *near = &path->vertex[k], *far = &path->vertex[k + 1];
-        real3 origin = k > 0 ? near->x : vec3(scene->camera->origin);
-        real3 normal = k > 0 ? near->ng : (real3)(0.0);
-        far->t = distance(far->x, origin);
-        if (!(far->t > 0.0)) return false;
-        far->v = (far->x - origin) / far->t;
+        if (!join_nodes(near, far)) return false;
         if (k == 0 && !(camera_importance(scene, far->v) > 0.0)) return false;
         settle_lobes(scene, path);
         *radiance = integrand(scene, path);
-        return radiance->log_i != LOG_ZERO && visible(scene, origin, normal, far->x, far->ng);
+        return radiance->log_i != LOG_ZERO && visible(scene, near, far);
     }
     settle_lobes(scene, path);
     *radiance = integrand(scene, path);
@@ -97,12 +94,15 @@ real log_independent_density(const Scene *scene, const Path *path) {
         if (k == length - 1) {
             // solid angle at x_{K-1} where the last direction is free, else the light's probability
             density = hit ? emitter_density(scene, last) * square(last->t) / fabs(dot(last->ng, last->v))
-                          : point_light_probability(scene, path->light);
+                          : light_probability(scene, path->light);
         } else {
             const Vertex *from = &path->vertex[k + 2];
             real3 direction = -from->v;
-            density = k == length - 2 ? emission_density(scene, hit ? last : 0, last->x, direction)
-                                      : lobe_density(scene, from, path->vertex[k + 3].v, direction);
+            if (k < length - 2)
+                density = lobe_density(scene, from, path->vertex[k + 3].v, direction);
+            else
+                density = hit ? emitter_emission_density(scene, last, direction)
+                              : light_emission_density(scene, path->light, direction);
             // from solid angle at x_{k+2} to solid angle at x_k
             density *= fabs(dot(to->ng, direction)) * square(to->t) / (square(from->t) * fabs(dot(to->ng, to->v)));
             log_choices += log(choice_probability(scene, to->lobe));

@@ -12,6 +12,7 @@
 
 #include "path/camera.cl"
 #include "lights/emitters.cl"
+#include "lights/lights.cl"
 #include "lobes/lobes.cl"
 
 #define LOG_ZERO -INFINITY
@@ -42,9 +43,9 @@ Radiance integrand(const Scene *scene, const Path *path) {
         log_scale += log(scale);
     }
     const Vertex *last = &path->vertex[path->length];
-#if HAS_POINTS
+#if HAS_LIGHTS
     if (path->ending == ENDING_CONNECT) {
-        c.colour *= vec3(scene->points[path->light].intensity);
+        c.colour *= light_intensity(scene, path->light, -last->v);
         log_scale -= 2.0 * log(last->t);
     }
 #endif

@@ -1,13 +1,17 @@
 // A light path x_0 (camera), x_1 ... x_K and its nodes. K is the number of segments.
 //
-// connect: x_K is a point light; the directions v_1 .. v_{K-1} are free (theory.md, 1).
+// connect: x_K is a light without area; the directions v_1 .. v_{K-1} are free (theory.md, 1).
 // hit:     x_K lies on an emitter; v_1 .. v_K are free.
+//
+// vertex[0] is the start and vertex[K] the end. What a node is, it says by its place: a point of a surface, or else a start or
+// an end that no ray can meet, of which only the position counts.
 #ifndef PYLMC_PATH
 #define PYLMC_PATH
 
 #include "surface/scene.cl"
 
 typedef struct {
+    int place;    // PLACE_SURFACE, ...
     real3 x;      // position
     real3 v;      // unit direction of the segment that arrives here, as travelled from the camera
     real3 ng;     // geometric normal (unit, as the mesh orients it)
@@ -24,7 +28,7 @@ typedef struct {
     Vertex vertex[MAX_DEPTH + 1];
     int length;  // K
     int ending;
-    int light;  // connect: which point light
+    int light;  // connect: which of the scene's lights
 } Path;
 
 int free_directions(const Path *path) { return path->ending == ENDING_HIT ? path->length : path->length - 1; }

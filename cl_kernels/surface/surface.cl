@@ -31,6 +31,7 @@ void place_on_triangle(const Scene *scene, int triangle, real bu, real bv, Verte
     real3 p0 = load3(scene->vertices, i0), p1 = load3(scene->vertices, i1), p2 = load3(scene->vertices, i2);
     real bw = 1.0 - bu - bv;
     __global const TriangleInfo *info = &scene->triangles[triangle];
+    vertex->place = PLACE_SURFACE;
     vertex->triangle = triangle;
     vertex->bu = bu;
     vertex->bv = bv;
@@ -57,8 +58,15 @@ void place_on_triangle(const Scene *scene, int triangle, real bu, real bv, Verte
 }
 
 // A segment must leave and meet surfaces by more than the offset that keeps rays off them. Two points of one plane, joined,
-// would else see each other, or through each other's back, by rounding alone, at any 1 / r^2. A point without a surface has normal zero.
-bool leaves_surface(real3 normal, real3 segment) { return fabs(dot(normal, segment)) > RAY_OFFSET || length2(normal) == 0.0; }
+// would else see each other, or through each other's back, by rounding alone, at any 1 / r^2.
+bool keeps_off_surface(const Vertex *vertex, real3 segment) {
+    return vertex->place != PLACE_SURFACE || fabs(dot(vertex->ng, segment)) > RAY_OFFSET;
+}
+
+// Where a ray that leaves the node along d starts.
+real3 ray_origin(const Vertex *vertex, real3 d) {
+    return vertex->place == PLACE_SURFACE ? offset_from_surface(vertex->x, vertex->ng, d) : vertex->x;
+}
 
 // The tree says which triangle a ray meets, in the precision of the tree and from an origin moved off the surface. Where on
 // the triangle's plane is solved again from x itself, so that the node lies on the line from x along v as exactly as `real`
@@ -77,25 +85,33 @@ void solve_triangle(const Scene *scene, int triangle, real3 x, real3 v, real *bu
     }
 }
 
-// The node met by the ray from `from` (null: the camera) along v; v and t are those of the segment just traced.
+// The node met by the ray from `from` along v; v and t are those of the segment just traced.
 bool trace_to_vertex(Scene *scene, const Vertex *from, real3 v, Vertex *vertex) {
-    real3 x = from ? from->x : vec3(scene->camera->origin);
+    real3 x = from->x;
     Hit hit;
-    if (!trace(scene, from ? offset_from_surface(x, from->ng, v) : x, v, &hit)) return false;
+    if (!trace(scene, ray_origin(from, v), v, &hit)) return false;
     real bu = hit.u, bv = hit.v;
     solve_triangle(scene, hit.triangle, x, v, &bu, &bv);
     place_on_triangle(scene, hit.triangle, bu, bv, vertex);
     vertex->v = v;
     real3 segment = vertex->x - x;
     vertex->t = length(segment);
-    return leaves_surface(vertex->ng, segment) && (!from || leaves_surface(from->ng, segment));
+    return keeps_off_surface(vertex, segment) && keeps_off_surface(from, segment);
 }
 
-// Does anything block the segment from a to b? Either end may be a point without a surface (normal zero).
-bool visible(Scene *scene, real3 a, real3 normal_a, real3 b, real3 normal_b) {
-    real3 towards = b - a;
-    if (!leaves_surface(normal_a, towards) || !leaves_surface(normal_b, towards)) return false;
-    real3 from = offset_from_surface(a, normal_a, towards), to = offset_from_surface(b, normal_b, -towards);
+// The segment that joins two nodes, as travelled from the camera: far's v and t. False where they are one point.
+bool join_nodes(const Vertex *near, Vertex *far) {
+    far->t = distance(far->x, near->x);
+    if (!(far->t > 0.0)) return false;
+    far->v = (far->x - near->x) / far->t;
+    return true;
+}
+
+// Does nothing block the segment from a to b?
+bool visible(Scene *scene, const Vertex *a, const Vertex *b) {
+    real3 towards = b->x - a->x;
+    if (!keeps_off_surface(a, towards) || !keeps_off_surface(b, towards)) return false;
+    real3 from = ray_origin(a, towards), to = ray_origin(b, -towards);
     scene->rays++;
     return !any_hit(scene->nodes, scene->leaves, traced(from), traced(to - from), 1.0f);
 }

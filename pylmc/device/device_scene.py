@@ -53,6 +53,7 @@ class DeviceScene:
         for name, fields in tables.SCENE_STRUCTS.items():
             self._declare(name, fields)
         self._declare("Lobe", tables.lobe_record(compiled.lobe_kinds))
+        self._declare("Light", tables.light_record(compiled.light_kinds))
         self._declare("ChainStart", tables.CHAIN_START)
         # pyopencl knows a nested struct by one name and one set of fields: each number type needs its own
         vertex_name = f"ChainVertex_{self.precision.real}"
@@ -124,7 +125,7 @@ class DeviceScene:
             defines = {
                 **tables.scene_macros(),
                 **tables.enumerations(),
-                **tables.dispatch(self.compiled.lobe_kinds),
+                **tables.dispatch(self.compiled.lobe_kinds, self.compiled.light_kinds),
                 **features,
                 **self.settings.defines(),
                 "HAS_DEVIATION": deviates,
@@ -136,7 +137,7 @@ class DeviceScene:
                     self.context,
                     source,
                     defines=defines,
-                    files=tables.files(self.compiled.lobe_kinds),
+                    files=tables.files(self.compiled.lobe_kinds, self.compiled.light_kinds),
                     structs=self._declarations,
                     real=self.precision.real,
                     math=self.settings.math,

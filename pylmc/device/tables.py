@@ -12,8 +12,12 @@ from typing import Any
 import numpy as np
 
 from ..lobes import KINDS, REFERENCES, Lobe
+from ..scene.lights import Light
+from ..scene.lights.light import POINT
 
 _F3 = (np.float64, (3,))
+_KINDS_OF_LIGHTS: tuple[type[Light], ...] = Light.kinds
+_LIGHTS = sorted(kind.name for kind in _KINDS_OF_LIGHTS)
 
 CAMERA: list[Any] = [
     ("origin", *_F3),
@@ -37,7 +41,6 @@ MATERIAL: list[Any] = [("first_lobe", np.int32), ("lobes", np.int32), ("choices"
 TEXTURE_INFO: list[Any] = [("offset", np.int32), ("width", np.int32), ("height", np.int32)]
 SCENE_OBJECT: list[Any] = [("axes", np.float64, (9,)), ("inverse_half", *_F3), ("small", np.int32)]
 EMITTER: list[Any] = [("radiance", *_F3), ("density", np.float64)]
-POINT_LIGHT: list[Any] = [("position", *_F3), ("intensity", *_F3), ("cumulative", np.float64)]
 PORTAL: list[Any] = [("centre", *_F3), ("normal", *_F3), ("axis", *_F3), ("half_size", np.float64, (2,))]
 TARGET: list[Any] = [*PORTAL, ("sphere", np.int32)]
 CHAIN_START: list[Any] = [
@@ -68,6 +71,9 @@ LOBE: list[Any] = [
     ("narrow", np.int32),
 ]
 
+# What every light's record begins with: see lights.cl. The parameters of the scene's kinds of lights follow.
+LIGHT: list[Any] = [("intensity", *_F3), ("cumulative", np.float64), ("kind", np.int32)]
+
 # The scene's arrays, in the order in which every kernel takes them: name and element type.
 SCENE_ARRAYS: dict[str, str] = {
     "nodes": "BvhNode",
@@ -85,7 +91,7 @@ SCENE_ARRAYS: dict[str, str] = {
     "emitters": "Emitter",
     "emitter_cdf": "real",
     "emitter_triangles": "int",
-    "points": "PointLight",
+    "lights": "Light",
     "portals": "Portal",
     "targets": "Target",
     "camera": "Camera",
@@ -101,17 +107,28 @@ SCENE_STRUCTS = {
     "TextureInfo": TEXTURE_INFO,
     "SceneObject": SCENE_OBJECT,
     "Emitter": EMITTER,
-    "PointLight": POINT_LIGHT,
     "Portal": PORTAL,
     "Target": TARGET,
 }
 ENDINGS = ("connect", "hit")  # how a path ends: joined to a light without area, or on an emitter
+PLACES = ("surface", "pinhole", POINT)  # what a node is: met by rays, or a path's start or end that no ray can meet
 
 
 def lobe_record(kinds: Iterable[type[Lobe]]) -> list[Any]:
     """The record of a lobe in a scene with these kinds: what all have, and each kind's parameters once."""
     fields = {field[0]: field for kind in kinds for field in kind.fields}
     return [*LOBE, *fields.values()]
+
+
+def light_record(kinds: Iterable[type[Light]]) -> list[Any]:
+    """The record of a light in a scene with these kinds."""
+    fields = {field[0]: field for kind in kinds for field in kind.fields}
+    return [*LIGHT, *fields.values()]
+
+
+def light_number(kind: type[Light]) -> int:
+    """LIGHT_<NAME> in the kernels."""
+    return _LIGHTS.index(kind.name)
 
 
 def scene_macros() -> dict[str, str]:
@@ -126,7 +143,8 @@ def scene_macros() -> dict[str, str]:
 
 def enumerations() -> dict[str, int]:
     """Every number that has a name on both sides: NAME_OF_GROUP and NAME_OF_MEMBER in capitals."""
-    groups = {"ENDING": ENDINGS, "LOBE": [kind.name for kind in KINDS], "REFERENCE": REFERENCES}
+    lobes = [kind.name for kind in KINDS]
+    groups = {"ENDING": ENDINGS, "PLACE": PLACES, "LOBE": lobes, "REFERENCE": REFERENCES, "LIGHT": _LIGHTS}
     return {f"{group}_{name.upper()}": i for group, names in groups.items() for i, name in enumerate(names)}
 
 
@@ -135,17 +153,19 @@ def _references(kinds: Sequence[type[Lobe]]) -> list[str]:
     return [name for name in REFERENCES if any(kind.reference == name for kind in kinds)]
 
 
-def dispatch(kinds: Sequence[type[Lobe]]) -> dict[str, str]:
+def dispatch(kinds: Sequence[type[Lobe]], lights: Sequence[type[Light]]) -> dict[str, str]:
     """The lists that the kernels' switches are made of: F(NUMBER, name) for each kind that the scene has."""
     return {
+        "LIGHTS(F)": " ".join(f"F(LIGHT_{kind.name.upper()}, {kind.name})" for kind in lights),
         "LOBES(F)": " ".join(f"F(LOBE_{kind.name.upper()}, {kind.name})" for kind in kinds),
         "REFERENCES(F)": " ".join(f"F(REFERENCE_{name.upper()}, {name})" for name in _references(kinds)),
     }
 
 
-def files(kinds: Sequence[type[Lobe]]) -> dict[str, list[str]]:
+def files(kinds: Sequence[type[Lobe]], lights: Sequence[type[Light]]) -> dict[str, list[str]]:
     """The kernel files behind those lists, by the word that stands for them in an ``#include``."""
     return {
+        "LIGHT_FILES": [f"lights/{kind.name}.cl" for kind in lights],
         "LOBE_FILES": [f"lobes/{kind.name}.cl" for kind in kinds],
         "REFERENCE_FILES": [f"references/{name}.cl" for name in _references(kinds)],
     }

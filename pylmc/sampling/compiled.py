@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from ..colour import LUMINANCE
 from ..constraints.plan import NARROW_ALPHA, ConstraintPlan, plan_constraints
 from ..device import tables
 from ..device.precision import nominal, real_fields
@@ -23,7 +22,9 @@ from ..geometry.mesh import Mesh, Part, join
 from ..geometry.objects import SceneObject, find_objects
 from ..geometry.portals import find_portals
 from ..lobes import KINDS, REFERENCES, Lobe
-from ..scene import PointLight, Portal, Scene, Shape, Texture
+from ..scene import Light, Portal, Scene, Shape, Texture
+from ..scene.lights.light import Placement
+from .compiled_lights import light_arrays, power_of_two
 from .evenness import GRID
 
 
@@ -33,8 +34,8 @@ class CompiledScene:
 
     ``mesh``, ``portals`` (given or found) and ``objects`` are in scene units; ``plan`` lists the constraints that they make.
     ``arrays`` by name (see ``SCENE_ARRAYS`` in pylmc/device/tables.py) are scaled; ``features`` are the kernel constants,
-    ``lobe_kinds`` the kinds of lobes; ``endings`` which of connect (0) and hit (1) the scene has. ``radiance_scale``:
-    multiply a rendered radiance by this to return to the scene's units.
+    ``lobe_kinds`` and ``light_kinds`` the kinds of lobes and of lights without area; ``endings`` which of connect (0) and hit
+    (1) the scene has. ``radiance_scale``: multiply a rendered radiance by this to return to the scene's units.
     """
 
     mesh: Mesh
@@ -44,15 +45,11 @@ class CompiledScene:
     arrays: dict[str, np.ndarray]
     features: dict[str, Any]
     lobe_kinds: tuple[type[Lobe], ...]
+    light_kinds: tuple[type[Light], ...]
     endings: tuple[int, ...]
     centre: np.ndarray
     scale: float
     radiance_scale: float
-
-
-def power_of_two(value: float) -> float:
-    """The power of two nearest to a positive number, from below."""
-    return float(2.0 ** np.floor(np.log2(value)))
 
 
 def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
@@ -81,12 +78,12 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
     geometric = np.where(doubled[:, None] > 0, cross / np.where(doubled > 0, doubled, 1)[:, None], [0.0, 0.0, 1.0])
 
     materials, material_of_shape, lobe_kinds = _materials(scene.shapes)
-    lights = _lights(scene, doubled / 2, shape_of, centre, scale)
+    lights = light_arrays(scene, doubled / 2, shape_of, Placement(centre, scale, radius / scale))
     triangles = np.zeros(len(faces), tables.TRIANGLE_INFO)
     triangles["normal"] = geometric
     triangles["material"] = material_of_shape[shape_of]
     triangles["object"] = object_of
-    triangles["emitter"] = lights["emitter_of_shape"][shape_of]
+    triangles["emitter"] = lights.emitter_of_shape[shape_of]
     triangles["smooth"] = mesh.smooth[shape_of]
 
     tree = bvh.build(vertices, faces.astype(np.int32), dtype=kind.trace_dtype)
@@ -100,10 +97,7 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
         "triangles": triangles,
         **materials,
         "objects": _objects(objects, plan, scale),
-        "emitters": lights["emitters"],
-        "emitter_cdf": lights["emitter_cdf"],
-        "emitter_triangles": lights["emitter_triangles"],
-        "points": lights["points"],
+        **lights.arrays,
         "portals": _portals(plan, centre, scale),
         "targets": _targets(plan, objects, centre, scale),
         "camera": _camera(scene, centre, scale),
@@ -112,10 +106,10 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
     for name in (name for name, kind in tables.SCENE_ARRAYS.items() if kind not in tables.FIXED_TYPES):
         arrays[name] = arrays[name].astype(real_fields(arrays[name].dtype, kind.host), copy=False)
     features = tree.defines() | {
-        "HAS_POINTS": len(scene.lights) > 0,
-        "HAS_EMITTERS": len(lights["emitter_triangles"]) > 0,
-        "NUM_POINTS": len(scene.lights),
-        "NUM_EMITTER_TRIANGLES": len(lights["emitter_triangles"]),
+        "HAS_LIGHTS": len(scene.lights) > 0,
+        "HAS_EMITTERS": len(arrays["emitter_triangles"]) > 0,
+        "NUM_LIGHTS": len(scene.lights),
+        "NUM_EMITTER_TRIANGLES": len(arrays["emitter_triangles"]),
         "NUM_PORTALS": len(plan.portals),
         "NUM_TARGETS": len(plan.portals) + len(plan.aimed_objects),
         "HAS_PAIRS": any(kind.pair for kind in lobe_kinds),
@@ -124,9 +118,20 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
         "HAS_TEXTURES": len(arrays["textures"]) > 0,
         "HAS_SMALL_OBJECTS": plan.small_objects > 0,
     }
-    endings = tuple(e for e, has in enumerate((features["HAS_POINTS"], features["HAS_EMITTERS"])) if has)
+    endings = tuple(e for e, has in enumerate((features["HAS_LIGHTS"], features["HAS_EMITTERS"])) if has)
     return CompiledScene(
-        mesh, portals, tuple(objects), plan, arrays, features, lobe_kinds, endings, centre, scale, lights["radiance_scale"]
+        mesh,
+        portals,
+        tuple(objects),
+        plan,
+        arrays,
+        features,
+        lobe_kinds,
+        lights.kinds,
+        endings,
+        centre,
+        scale,
+        lights.radiance_scale,
     )
 
 
@@ -185,51 +190,6 @@ def _textures(textures: Sequence[Texture]) -> dict[str, np.ndarray]:
         offset += entry["height"] * entry["width"]
     texels = [texture.pixels.reshape(-1, 3) for texture in textures]
     return {"textures": info, "texels": np.concatenate(texels) if texels else np.zeros((0, 3), np.float32)}
-
-
-def _lights(scene: Scene, areas: np.ndarray, shape_of: np.ndarray, centre: np.ndarray, scale: float) -> dict[str, Any]:
-    """Point lights and emitting triangles, with light scaled to a total of about one."""
-    areas = areas.astype(np.float64)
-    radiances = np.array([shape.emission or (0.0, 0.0, 0.0) for shape in scene.shapes])
-    lamps = [light for light in scene.lights if isinstance(light, PointLight)]
-    intensities = np.array([light.intensity for light in lamps]).reshape(-1, 3)
-    point_power = intensities @ LUMINANCE / scale**2  # radiance at unit distance, in the scaled scene
-    triangle_power = areas * (radiances @ LUMINANCE)[shape_of]
-    total = float(point_power.sum() + triangle_power.sum())
-    if not total > 0:
-        raise PylmcError("Scene: its lights have no power or no area; enlarge the emitting shapes or add a PointLight")
-    exposure = 1 / power_of_two(total)
-
-    points = np.zeros(len(lamps), tables.POINT_LIGHT)
-    if len(points):
-        points["position"] = (np.array([light.position for light in lamps]) - centre) / scale
-        points["intensity"] = intensities / scale**2 * exposure
-        points["cumulative"] = np.cumsum(_shares(point_power))
-    emitting = np.flatnonzero(triangle_power > 0)
-    emitter_of_shape = np.full(len(scene.shapes), -1)
-    shining = np.unique(shape_of[emitting])
-    emitter_of_shape[shining] = np.arange(len(shining))
-    emitters = np.zeros(len(shining), tables.EMITTER)
-    emitters["radiance"] = radiances[shining] * exposure
-    # a shape by its share, a triangle of it by area: the density per area is the same all over a shape
-    shape_areas = np.bincount(shape_of[emitting], weights=areas[emitting], minlength=len(scene.shapes))[shining]
-    shape_power = np.bincount(shape_of[emitting], weights=triangle_power[emitting], minlength=len(scene.shapes))[shining]
-    density = _shares(shape_power) / shape_areas
-    emitters["density"] = density
-    cdf = np.cumsum(areas[emitting] * density[emitter_of_shape[shape_of[emitting]]])
-    return {
-        "points": points,
-        "emitters": emitters,
-        "emitter_cdf": cdf,
-        "emitter_triangles": emitting.astype(np.int32),
-        "emitter_of_shape": emitter_of_shape,
-        "radiance_scale": 1 / exposure,
-    }
-
-
-def _shares(power: np.ndarray) -> np.ndarray:
-    """Each light's probability: half by power, half alike, for the brightest lamp may be one that nobody sees."""
-    return (power / power.sum() + 1 / len(power)) / 2 if len(power) else power
 
 
 def _camera(scene: Scene, centre: np.ndarray, scale: float) -> np.ndarray:

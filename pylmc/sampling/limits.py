@@ -13,7 +13,8 @@ import numpy as np
 
 from ..constraints.plan import alpha_of
 from ..device.precision import nominal
-from ..scene import PointLight, Scene
+from ..scene import Scene
+from ..scene.lights.light import POINT
 from .compiled import CompiledScene
 
 
@@ -87,10 +88,9 @@ def limits(scene: Scene, compiled: CompiledScene, precision: str) -> list[str]:
     check(f"the camera is very close to '{shape_below}'", height, "camera")
     check("the camera's view is very narrow, or along what it sees", _half_field(scene) * min(height, 1.0), "view")
     for i, light in enumerate(scene.lights):
-        if not isinstance(light, PointLight):
-            continue
-        height, shape_below = _height(scene, compiled, light.position)
-        check(f"light {i} is very close to '{shape_below}'", height, "light")
+        if light.place == POINT:
+            height, shape_below = _height(scene, compiled, getattr(light, "position"))  # noqa: B009
+            check(f"light {i} is very close to '{shape_below}'", height, "light")
     for i, shape in enumerate(scene.shapes):
         alpha = alpha_of(shape.material)
         if alpha is not None:

@@ -270,7 +270,7 @@ def test_drawn_paths_have_the_density_log_p() -> None:
     v, t, hit = v[hit >= 0], t[hit >= 0], hit[hit >= 0]
     x = np.zeros((len(hit), 3, 3))
     x[:, 0], x[:, 1] = world.origin, world.origin + t[:, None] * v
-    x[:, 2] = world.arrays["points"]["position"][0]
+    x[:, 2] = world.arrays["lights"]["position"][0]
     triangle = np.full((len(hit), 3), -1)
     triangle[:, 1] = hit
     total = 0.0

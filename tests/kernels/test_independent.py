@@ -32,7 +32,7 @@ def arbitrary_paths(world: World, length: int, ending: int, n: int, rng: np.rand
     light = np.zeros(n, int)
     if ending == CONNECT:
         triangle[:, -1] = -1
-        light = rng.integers(0, len(world.arrays["points"]), n)
+        light = rng.integers(0, len(world.arrays["lights"]), n)
     else:
         shining = world.arrays["emitter_triangles"]
         triangle[:, -1] = rng.choice(shining, n)

@@ -73,7 +73,7 @@ def draw_path(world: World, length: int, ending: int, streams: Streams) -> tuple
     normal = None
     if ending == CONNECT:
         draft.light = np.where(from_light, sample_light(world, streams, from_light), 0)
-        position = world.arrays["points"]["position"].astype(float)[draft.light]
+        position = world.arrays["lights"]["position"].astype(float)[draft.light]
         draft.x[from_light, -1] = position[from_light]
     else:
         triangle, x = sample_emitter(world, streams, from_light)

@@ -80,7 +80,7 @@ def scatter_density(world: World, paths: Paths, i: int, known: Array, other: Arr
 
 def point_chances(world: World) -> Array:
     """Probability of each point light."""
-    return np.diff(world.arrays["points"]["cumulative"].astype(float), prepend=0)
+    return np.diff(world.arrays["lights"]["cumulative"].astype(float), prepend=0)
 
 
 def log_p(world: World, paths: Paths) -> Array:

@@ -44,7 +44,7 @@ def radiance_of(world: World, paths: Paths) -> Array:
     for i in range(1, paths.length):
         c = c * lobe_value(surface(world, paths, i), -paths.v[:, i], paths.v[:, i + 1])
     if paths.ending == CONNECT:
-        return c * world.arrays["points"]["intensity"].astype(float)[paths.light] / paths.t[:, -1:] ** 2
+        return c * world.arrays["lights"]["intensity"].astype(float)[paths.light] / paths.t[:, -1:] ** 2
     front = dot(paths.ng[:, -1], paths.v[:, -1]) < 0
     return c * np.where(front[:, None], world.radiance[paths.triangle[:, -1]], 0)
 

@@ -63,7 +63,7 @@ def paths_through(world: World, length: int, ending: int, light: Array, triangle
     x[:, 0] = world.origin
     x[:, 1:] = np.einsum("njk,njki->nji", weights, world.corners[np.maximum(triangle, 0)])
     if ending == CONNECT:
-        x[:, -1] = world.arrays["points"]["position"].astype(float)[light]
+        x[:, -1] = world.arrays["lights"]["position"].astype(float)[light]
     none = np.full((n, 1), -1)
     full, lobes = np.concatenate([none, triangle], axis=1), np.concatenate([none, lobe], axis=1)
     return complete(world, length, ending, light, full, lobes, x)

@@ -73,7 +73,7 @@ def sample_scatter(world: World, s: Surface, known: Array, streams: Streams, wan
 
 def sample_light(world: World, streams: Streams, wanted: Array) -> Array:
     """Which point light."""
-    cumulative = world.arrays["points"]["cumulative"].astype(float)
+    cumulative = world.arrays["lights"]["cumulative"].astype(float)
     return np.searchsorted(cumulative[:-1], streams.uniform(wanted), side="right")
 
 

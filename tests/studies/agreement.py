@@ -71,7 +71,7 @@ def path_batches(name: str, ending: int, batches: int, passes: int, depth: int) 
     scene = scene_of(name)
     sampler = Sampler(scene, max_depth=depth)
     device, pixels = sampler.device_scene, sampler.film_pixels
-    only = {"HAS_EMITTERS": 0} if ending == CONNECT else {"HAS_POINTS": 0}
+    only = {"HAS_EMITTERS": 0} if ending == CONNECT else {"HAS_LIGHTS": 0}
     kernel = device.kernel("entry/path_tracer.cl", "render_paths", NUM_TARGETS=0, **only)
     counters = Records(device, "ChainCounters", pixels)
     out = np.zeros((batches, depth, scene.camera.height, scene.camera.width))

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
+
+import numpy as np
 
 from ...errors import PylmcError
 from ..values import RGB, as_point, as_rgb
-from .light import Light
+from .light import POINT, Light, Placement
 
 
 @dataclass(frozen=True, eq=False)
 class PointLight(Light):
     """A point that sends ``intensity`` (RGB, power per steradian) in every direction from ``position``."""
+
+    name: ClassVar[str] = "point"
+    place: ClassVar[str] = POINT
+    fields: ClassVar[list[Any]] = [("position", np.float64, (3,))]
 
     position: Any
     intensity: Any = 1.0
@@ -23,3 +29,7 @@ class PointLight(Light):
         if max(intensity) <= 0:
             raise PylmcError("PointLight.intensity is zero: remove the light or give it power")
         object.__setattr__(self, "intensity", intensity)
+
+    def values(self, placement: Placement) -> dict[str, Any]:
+        """The record's fields, by name."""
+        return {"position": placement.of(self.position)}
