@@ -11,8 +11,9 @@ from oracle.charts import DEVIATION, NODE, PROJECTION, Charts, deviation
 from oracle.constraints import preconditioner, proposal_factor
 from oracle.displaced import Moved, log_climbed, visible
 from oracle.draw import draw_path
-from oracle.independent import camera_density, emission_density, log_p, scatter_density
+from oracle.independent import camera_density, emitter_emission_density, log_p, scatter_density
 from oracle.integrand import film_direction, importance, log_pi
+from oracle.lights import emission_density
 from oracle.lobes import AIMS, lobe_density
 from oracle.paths import CONNECT, HIT, Paths, complete, surface
 from oracle.random import BOOTSTRAP, CHAIN, Streams, philox
@@ -228,9 +229,11 @@ def test_independent_densities_integrate_to_one(name: str) -> None:
     paths = paths_of(name, 3, ending)
     v, weight = sphere(400)
     assert (camera_density(world, v) * weight).sum() == pytest.approx(1, abs=2e-2)
-    normal = None if ending == CONNECT else np.broadcast_to(paths.ng[0, -1], v.shape)
-    light = np.broadcast_to(paths.x[0, -1], v.shape)
-    assert (emission_density(world, light, normal, v) * weight).sum() == pytest.approx(1, abs=2e-2)
+    if ending == CONNECT:
+        density = emission_density(world, np.zeros(len(v), int), paths.x[0, -1] + v, v)
+    else:
+        density = emitter_emission_density(world, *(np.broadcast_to(a[0, -1], v.shape) for a in (paths.x, paths.ng)), v)
+    assert (density * weight).sum() == pytest.approx(1, abs=2e-2)
     wanted = AIMS[surface(world, paths, 1).lobe]
     for portal in world.arrays["portals"]:  # from its own plane a portal is nowhere
         wanted &= np.abs((paths.x[:, 1] - portal["centre"]) @ portal["normal"]) > 0.05
@@ -270,7 +273,6 @@ def test_drawn_paths_have_the_density_log_p() -> None:
     v, t, hit = v[hit >= 0], t[hit >= 0], hit[hit >= 0]
     x = np.zeros((len(hit), 3, 3))
     x[:, 0], x[:, 1] = world.origin, world.origin + t[:, None] * v
-    x[:, 2] = world.arrays["lights"]["position"][0]
     triangle = np.full((len(hit), 3), -1)
     triangle[:, 1] = hit
     total = 0.0

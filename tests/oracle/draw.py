@@ -8,10 +8,11 @@ import numpy as np
 
 from .displaced import keeps_off, visible
 from .integrand import importance, log_pi
+from .lights import sample_emission
 from .lobes import Surface, choose_lobe, settled_lobe
 from .paths import CONNECT, HIT, Paths, complete, surface
 from .random import Streams
-from .sampling import sample_camera, sample_emission, sample_emitter, sample_light, sample_scatter
+from .sampling import sample_camera, sample_emitter, sample_emitter_emission, sample_light, sample_scatter
 from .scene import World
 from .vectors import Array, unit
 
@@ -70,19 +71,19 @@ def draw_path(world: World, length: int, ending: int, streams: Streams) -> tuple
         draft.alive &= ok | ~wanted
         draft.trace(i - 1, i, direction, wanted & draft.alive, streams)
     from_light = draft.alive & (split < length)
-    normal = None
     if ending == CONNECT:
         draft.light = np.where(from_light, sample_light(world, streams, from_light), 0)
-        position = world.arrays["lights"]["position"].astype(float)[draft.light]
-        draft.x[from_light, -1] = position[from_light]
     else:
         triangle, x = sample_emitter(world, streams, from_light)
         draft.triangle[from_light, -1], draft.x[from_light, -1] = triangle[from_light], x[from_light]
         normal = world.normals[draft.triangle[:, -1]]
     for j in range(length - 1, 0, -1):  # x_{k+1} … x_{K-1} from the light
         wanted = draft.alive & (split < j)
-        if j == length - 1:
-            direction, ok = sample_emission(world, draft.x[:, -1], normal, streams, wanted), everyone
+        if j == length - 1 and ending == CONNECT:
+            draft.x[wanted, -1], direction = sample_emission(world, draft.light, streams, wanted)
+            ok = everyone
+        elif j == length - 1:
+            direction, ok = sample_emitter_emission(world, draft.x[:, -1], normal, streams, wanted), everyone
         else:
             known = unit(draft.x[:, j + 2] - draft.x[:, j + 1])
             direction, ok = sample_scatter(world, draft.node(j + 1), known, streams, wanted)

@@ -4,59 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from . import lights
+from .aiming import AIM_FROM_CAMERA, AIM_FROM_LIGHT, AIM_FROM_NODE, aimed
 from .integrand import importance
 from .lobes import AIMS, lobe_density
 from .paths import HIT, Paths, surface
 from .scene import World
 from .vectors import Array, dot
-
-AIM_MARGIN, AIM_OFFSETS = 1.002, 1.25  # portals are aimed at with this margin, and so many offsets of rays
-AIM_FROM_LIGHT, AIM_FROM_NODE, AIM_FROM_CAMERA = 0.5, 0.25, 0.1  # the latter two where aiming is done everywhere
-
-
-def aimed_half_size(world: World, target: np.void) -> Array:
-    """The rectangle that is aimed at, a little larger than the portal."""
-    return AIM_MARGIN * target["half_size"].astype(float) + AIM_OFFSETS * world.ray_offset
-
-
-def cone_of_sphere(target: np.void, x: Array) -> Array:
-    """1 - cos of the cone that a sphere fills seen from x; 2, the whole sphere of directions, from inside."""
-    distance = np.linalg.norm(target["centre"].astype(float) - x, axis=-1)
-    sine2 = np.minimum((float(target["half_size"][0]) / distance) ** 2, 1)
-    return np.where(sine2 < 1, sine2 / (1 + np.sqrt(1 - sine2)), 2.0)
-
-
-def target_density(world: World, target: np.void, x: Array, direction: Array) -> Array:
-    """Density of a direction aimed at one target: uniform in a sphere's cone, or in the area of a rectangle."""
-    centre = target["centre"].astype(float)
-    if target["sphere"]:
-        to = centre - x
-        apart = np.linalg.norm(direction - to / np.linalg.norm(to, axis=-1, keepdims=True), axis=-1) ** 2 / 2  # 1 - cos
-        fall = cone_of_sphere(target, x)
-        return np.where(apart <= fall, 1 / (2 * np.pi * fall), 0)
-    normal, axis = target["normal"].astype(float), target["axis"].astype(float)
-    cosine = direction @ normal
-    with np.errstate(all="ignore"):
-        t = ((centre - x) @ normal) / cosine
-        offset = x + t[:, None] * direction - centre
-        half = aimed_half_size(world, target)
-        inside = (t > 0) & (np.abs(offset @ axis) <= half[0]) & (np.abs(offset @ np.cross(normal, axis)) <= half[1])
-        return np.where(inside, t**2 / (4.0 * half[0] * half[1] * np.abs(cosine)), 0)
-
-
-def aim_share(world: World, share: float) -> float:
-    """How often a direction aims: the light's always do with their share, the others where the setting says so."""
-    return share if share == AIM_FROM_LIGHT or world.aim == "everywhere" else 0.0
-
-
-def aimed(world: World, x: Array, direction: Array, otherwise: Array, share: float) -> Array:
-    """Density of a direction aimed at one of the targets with probability ``share``."""
-    targets = world.arrays["targets"]
-    share = aim_share(world, share)
-    if not len(targets):
-        return otherwise
-    total = sum(target_density(world, target, x, direction) for target in targets)
-    return (1 - share) * otherwise + share * total / len(targets)
 
 
 def camera_density(world: World, v: Array) -> Array:
@@ -64,11 +18,9 @@ def camera_density(world: World, v: Array) -> Array:
     return aimed(world, np.broadcast_to(world.origin, v.shape), v, importance(world, v), AIM_FROM_CAMERA)
 
 
-def emission_density(world: World, x: Array, normal: Array | None, direction: Array) -> Array:
-    """Density of the light's first direction: cosine about an emitter's normal, or alike all round (no normal); or aimed."""
-    uniform = np.full(len(x), 1 / (4 * np.pi))
-    plain = uniform if normal is None else np.maximum(dot(normal, direction), 0) / np.pi
-    return aimed(world, x, direction, plain, AIM_FROM_LIGHT)
+def emitter_emission_density(world: World, x: Array, normal: Array, direction: Array) -> Array:
+    """Density of the first direction from an emitter: cosine about its normal, or aimed."""
+    return aimed(world, x, direction, np.maximum(dot(normal, direction), 0) / np.pi, AIM_FROM_LIGHT)
 
 
 def scatter_density(world: World, paths: Paths, i: int, known: Array, other: Array) -> Array:
@@ -78,8 +30,8 @@ def scatter_density(world: World, paths: Paths, i: int, known: Array, other: Arr
     return np.where(AIMS[s.lobe], aimed(world, s.x, other, plain, AIM_FROM_NODE), plain)
 
 
-def point_chances(world: World) -> Array:
-    """Probability of each point light."""
+def light_chances(world: World) -> Array:
+    """Probability of each light without area."""
     return np.diff(world.arrays["lights"]["cumulative"].astype(float), prepend=0)
 
 
@@ -94,11 +46,14 @@ def log_p(world: World, paths: Paths) -> Array:
         camera.append(scatter_density(world, paths, i - 1, -paths.v[:, i - 1], paths.v[:, i]) * to_area[i])
     light: list[Array] = [np.ones(n)] * (last + 1)
     hit = paths.ending == HIT
-    light[last] = world.emitter_density[paths.triangle[:, last]] if hit else point_chances(world)[paths.light]
+    light[last] = world.emitter_density[paths.triangle[:, last]] if hit else light_chances(world)[paths.light]
     for j in range(last - 1, 0, -1):
         away = -paths.v[:, j + 1]
         if j == last - 1:
-            density = emission_density(world, paths.x[:, last], paths.ng[:, last] if hit else None, away)
+            if hit:
+                density = emitter_emission_density(world, paths.x[:, last], paths.ng[:, last], away)
+            else:
+                density = lights.emission_density(world, paths.light, paths.x[:, j], away)
         else:
             density = scatter_density(world, paths, j + 1, paths.v[:, j + 2], away)
         light[j] = density * np.abs(dot(paths.ng[:, j], away)) / paths.t[:, j + 1] ** 2

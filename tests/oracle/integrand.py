@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import map_coordinates
 
+from .lights import intensity
 from .lobes import lobe_value
 from .paths import CONNECT, Paths, surface
 from .scene import LUMINANCE, World
@@ -44,7 +45,7 @@ def radiance_of(world: World, paths: Paths) -> Array:
     for i in range(1, paths.length):
         c = c * lobe_value(surface(world, paths, i), -paths.v[:, i], paths.v[:, i + 1])
     if paths.ending == CONNECT:
-        return c * world.arrays["lights"]["intensity"].astype(float)[paths.light] / paths.t[:, -1:] ** 2
+        return c * intensity(world, paths.light, -paths.v[:, -1]) / paths.t[:, -1:] ** 2
     front = dot(paths.ng[:, -1], paths.v[:, -1]) < 0
     return c * np.where(front[:, None], world.radiance[paths.triangle[:, -1]], 0)
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from .lights import ends
 from .lobes import Surface
 from .scene import World
 from .vectors import Array, norm
@@ -43,6 +44,9 @@ class Paths:
 
 def complete(world: World, length: int, ending: int, light: Array, triangle: Array, lobe: Array, x: Array) -> Paths:
     """All that follows from the nodes x (n, K+1, 3) and their triangles (-1: the camera or the light itself)."""
+    if ending == CONNECT:
+        x = x.copy()
+        x[:, -1] = ends(world, light, x[:, -2])
     on = np.maximum(triangle, 0)
     solid = (triangle >= 0)[..., None]
     ng = np.where(solid, world.normals[on], 0)
@@ -62,8 +66,6 @@ def paths_through(world: World, length: int, ending: int, light: Array, triangle
     x = np.zeros((n, length + 1, 3))
     x[:, 0] = world.origin
     x[:, 1:] = np.einsum("njk,njki->nji", weights, world.corners[np.maximum(triangle, 0)])
-    if ending == CONNECT:
-        x[:, -1] = world.arrays["lights"]["position"].astype(float)[light]
     none = np.full((n, 1), -1)
     full, lobes = np.concatenate([none, triangle], axis=1), np.concatenate([none, lobe], axis=1)
     return complete(world, length, ending, light, full, lobes, x)

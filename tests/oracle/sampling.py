@@ -7,38 +7,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from .independent import AIM_FROM_CAMERA, AIM_FROM_LIGHT, AIM_FROM_NODE, aim_share, aimed_half_size, cone_of_sphere
+from .aiming import AIM_FROM_CAMERA, AIM_FROM_LIGHT, AIM_FROM_NODE, sample_aim
 from .integrand import film_direction
 from .lobes import AIMS, Surface, sample_lobe
 from .random import Streams
 from .scene import World
-from .vectors import Array, about, unit
-
-
-def sample_target(world: World, target: np.void, x: Array, u1: Array, u2: Array) -> Array:
-    """A direction from x into a sphere's cone, or to a point of a rectangle."""
-    centre, axis = target["centre"].astype(float), target["axis"].astype(float)
-    if target["sphere"]:
-        return about(unit(centre - x), 1 - cone_of_sphere(target, x) * u1, 2 * np.pi * u2)
-    half = aimed_half_size(world, target)
-    across = np.cross(target["normal"].astype(float), axis)
-    point = centre + ((2 * u1 - 1) * half[0])[:, None] * axis + ((2 * u2 - 1) * half[1])[:, None] * across
-    return unit(point - x)
-
-
-def sample_aim(world: World, x: Array, share: float, streams: Streams, wanted: Array) -> tuple[Array, Array]:
-    """(directions, which were aimed): with probability ``share`` at a target."""
-    targets = world.arrays["targets"]
-    direction, aimed = np.zeros(x.shape), np.zeros(len(x), bool)
-    if not len(targets):
-        return direction, aimed
-    aimed = wanted & (streams.uniform(wanted) < aim_share(world, share))
-    chosen = streams.index(len(targets), aimed)
-    u1, u2 = streams.uniform(aimed), streams.uniform(aimed)
-    for index, target in enumerate(targets):
-        use = aimed & (chosen == index)
-        direction[use] = sample_target(world, target, x[use], u1[use], u2[use])
-    return direction, aimed
+from .vectors import Array, about
 
 
 def sample_camera(world: World, streams: Streams, wanted: Array) -> Array:
@@ -50,18 +24,12 @@ def sample_camera(world: World, streams: Streams, wanted: Array) -> Array:
     return np.where(aimed[:, None], direction, film_direction(world, position))
 
 
-def sample_emission(world: World, x: Array, normal: Array | None, streams: Streams, wanted: Array) -> Array:
-    """The light's first direction: about the emitter's normal, or all round (no normal), or aimed."""
+def sample_emitter_emission(world: World, x: Array, normal: Array, streams: Streams, wanted: Array) -> Array:
+    """An emitter's first direction: about its normal, or aimed."""
     direction, aimed = sample_aim(world, x, AIM_FROM_LIGHT, streams, wanted)
     plain = wanted & ~aimed
     u, angle = streams.uniform(plain), 2 * np.pi * streams.uniform(plain)
-    if normal is None:
-        z = 1 - 2 * u
-        sine = np.sqrt(1 - z**2)
-        drawn = np.stack([sine * np.cos(angle), sine * np.sin(angle), z], axis=-1)
-    else:
-        drawn = about(normal, np.sqrt(1 - u), angle)
-    return np.where(aimed[:, None], direction, drawn)
+    return np.where(aimed[:, None], direction, about(normal, np.sqrt(1 - u), angle))
 
 
 def sample_scatter(world: World, s: Surface, known: Array, streams: Streams, wanted: Array) -> tuple[Array, Array]:
@@ -72,7 +40,7 @@ def sample_scatter(world: World, s: Surface, known: Array, streams: Streams, wan
 
 
 def sample_light(world: World, streams: Streams, wanted: Array) -> Array:
-    """Which point light."""
+    """Which light without area."""
     cumulative = world.arrays["lights"]["cumulative"].astype(float)
     return np.searchsorted(cumulative[:-1], streams.uniform(wanted), side="right")
 
