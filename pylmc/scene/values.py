@@ -51,6 +51,15 @@ def as_point(value: Any, what: str) -> np.ndarray:
     return fixed(point)
 
 
+def as_direction(value: Any, what: str) -> np.ndarray:
+    """Three numbers, not all zero, as a unit vector; or a PylmcError naming ``what``."""
+    vector = as_point(value, what)
+    length = np.linalg.norm(vector)
+    if not length > 0:
+        raise PylmcError(f"{what} has length zero; give the vector of a direction")
+    return fixed(vector / length)
+
+
 def as_list(value: Any, what: str, kind: type) -> tuple[Any, ...]:
     """A sequence whose every element is a ``kind``, as a tuple; raises PylmcError naming ``what``."""
     if isinstance(value, str) or not isinstance(value, Iterable):

@@ -2,3 +2,4 @@
 
 from .light import Light as Light
 from .point import PointLight as PointLight
+from .spot import SpotLight as SpotLight
