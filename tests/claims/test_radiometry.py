@@ -12,32 +12,13 @@ import numpy as np
 import pytest
 from studies.closed_forms import ggx_albedo, pixel_means
 from studies.comparison.evidence import confirm
-from studies.comparison.to_pylmc import bdpt_runs, lmc_runs, path_runs
+from studies.comparison.to_pylmc import path_runs
 from studies.comparison.verdict import judge
+from studies.known import INTEGRATORS, RUNS, Array, hits, runs_of
 
 from pylmc.sampling.sampler import Sampler
 from pylmc.scene import Camera, Diffuse, Material, Plastic, PointLight, RoughConductor, RoughDielectric, Scene, Shape
 from pylmc.scene.builtin._meshes import box, rectangle
-
-RUNS = 24
-# the factor of a wrong answer that each must tell from the right one: chains are the noisiest in scenes as easy as these
-INTEGRATORS = {"lmc": 1.06, "path": 1.02, "bdpt": 1.02}
-Array = np.ndarray
-
-
-def runs_of(scene: Scene, depth: int, integrator: str, work: int = 1) -> Array:
-    """Independent pictures (runs, height, width, 3); ``work`` multiplies the samples."""
-    if integrator == "lmc":
-        return lmc_runs(scene, depth, RUNS, 64 * work)
-    if integrator == "path":
-        return path_runs(scene, depth, RUNS, 32 * work)
-    return bdpt_runs(scene, depth, 16, work)
-
-
-def hits(camera: Camera, directions: Array, axis: int, at: float) -> Array:
-    """Where rays from the camera meet the plane coordinate[axis] = at."""
-    return camera.origin + directions * ((at - camera.origin[axis]) / directions[:, axis])[:, None]
-
 
 # --- a point light over a diffuse plane -------------------------------------------------------------------------------
 

@@ -9,7 +9,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import pytest
-from studies.probes import textured_scene, varnished_scene
+from studies.probes import spotlit_scene, textured_scene, varnished_scene
 
 import pylmc
 from pylmc.sampling.sampler import Sampler
@@ -17,7 +17,7 @@ from pylmc.sampling.states import ChainArrays
 from pylmc.scene import Scene
 
 DEPTH, CHAINS = 8, 120
-MADE = {"textured": textured_scene, "varnished": varnished_scene}
+MADE = {"textured": textured_scene, "varnished": varnished_scene, "spotlit": spotlit_scene}
 SCENES: dict[str, dict[str, float]] = {
     "keyhole": {"hole": 0.1, "alpha": 0.05},
     "glints": {"size": 0.1, "alpha": 0.1},
@@ -25,6 +25,7 @@ SCENES: dict[str, dict[str, float]] = {
     "box": {},
     "textured": {},
     "varnished": {},
+    "spotlit": {},
 }
 LOBES = {
     "keyhole": {"diffuse", "reflect"},
@@ -33,8 +34,9 @@ LOBES = {
     "box": {"diffuse"},
     "textured": {"diffuse", "reflect"},
     "varnished": {"coat", "coated_diffuse", "diffuse"},
+    "spotlit": {"diffuse", "reflect"},
 }
-ENDS = {"keyhole": {0}, "glints": {0}, "caustic": {1}, "box": {1}, "textured": {0, 1}, "varnished": {0, 1}}
+ENDS = {"keyhole": {0}, "glints": {0}, "caustic": {1}, "box": {1}, "textured": {0, 1}, "varnished": {0, 1}, "spotlit": {0, 1}}
 
 
 class Case(NamedTuple):
@@ -65,6 +67,8 @@ CASES = [
     case("textured", "mixed", **DEVIATION, rule="rms", drift=True),
     case("varnished", "single", rule="sum"),
     case("varnished", "double", **DEVIATION, rule="rms", drift=True),
+    case("spotlit", "single", rule="sum"),
+    case("spotlit", "double", rule="mean"),
 ]
 LONG = [
     case("keyhole", "double", constraints=("lobes", "objects"), rule="rms"),

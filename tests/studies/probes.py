@@ -13,7 +13,7 @@ import trimesh
 
 from pylmc.device import program
 from pylmc.device.device_scene import DeviceScene
-from pylmc.scene import Camera, Diffuse, Material, MetallicRoughness, Plastic, PointLight, Scene, Shape, Texture
+from pylmc.scene import Camera, Diffuse, Material, MetallicRoughness, Plastic, PointLight, Scene, Shape, SpotLight, Texture
 
 
 def build_probe(device: DeviceScene, text: str, name: str, **extra: Any) -> cl.Kernel:
@@ -59,6 +59,13 @@ def textured_scene() -> Scene:
 def varnished_scene() -> Scene:
     """The same in plastics: a checkered floor of a wide coat, a wall of a narrow one."""
     return _corner(lambda checks: Plastic(checks, 0.35, 1.5), Plastic((0.5, 0.6, 0.7), 0.15, 1.8, "separable"))
+
+
+def spotlit_scene() -> Scene:
+    """The textured scene with a spot light of a soft rim beside its point light."""
+    scene = textured_scene()
+    spot = SpotLight((-0.5, 1.2, 0.8), (0.4, -1.0, -0.6), 1.5, inner_angle=15, outer_angle=35)
+    return Scene(scene.camera, scene.shapes, [*scene.lights, spot])
 
 
 def _corner(floor_material: Callable[[Texture], Material], wall_material: Material) -> Scene:
