@@ -12,7 +12,7 @@ from .sampling.limits import limits
 from .scene import Scene
 from .settings import Settings, explained
 
-ENDING_WORDS = ("connect (to a point light)", "hit (an emitter)")
+ENDING_WORDS = ("connect (to a light without area)", "hit (an emitter)")
 
 
 @explained(Settings)
@@ -32,7 +32,7 @@ def info(scene: Scene, precision: str = "single", **settings: Any) -> str:
         f"film          {camera.width} x {camera.height}, vertical field of view {camera.fov:g} degrees",
         f"geometry      {len(scene.shapes)} shapes, {len(compiled.objects)} objects, {triangles} triangles; "
         f"radius {compiled.scale:.3g} to {2 * compiled.scale:.3g}",
-        f"light         {len(scene.lights)} point light(s), {features['NUM_EMITTER_TRIANGLES']} emitting triangle(s)",
+        f"light         {_lights(scene)}{features['NUM_EMITTER_TRIANGLES']} emitting triangle(s)",
         f"portals       {_portals(scene, compiled)}",
         f"paths         {low} to {chosen.max_depth} segments; ending: {', '.join(ENDING_WORDS[e] for e in compiled.endings)}",
         f"lobes         {', '.join(lobes)}",
@@ -75,6 +75,12 @@ def info(scene: Scene, precision: str = "single", **settings: Any) -> str:
     lines += [f"limits        of precision '{precision}': {'' if beyond else 'nothing in this scene is beyond them'}".rstrip()]
     lines += [f"  {sentence}" for sentence in beyond]
     return "\n".join(lines)
+
+
+def _lights(scene: Scene) -> str:
+    """How many lights without area there are of each kind."""
+    names = [light.name for light in scene.lights]
+    return "".join(f"{names.count(name)} {name} light(s), " for name in dict.fromkeys(names))
 
 
 def _portals(scene: Scene, compiled: CompiledScene) -> str:

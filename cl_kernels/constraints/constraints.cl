@@ -84,9 +84,9 @@ void constrain_portals(const Scene *scene, real3 x, const Vertex *next, const Ta
     for (int i = 0; i < NUM_PORTALS; i++) {
         real3 point;
         __global const Portal *portal = &scene->portals[i];
-        if (i == skip || !crosses_portal(portal, x, next->v, next->t, &point)) continue;
+        if (i == skip || !crosses_portal(portal, x, next->v, reach(next), &point)) continue;
         real3 normal = vec3(portal->normal), axes[2] = {vec3(portal->axis), cross(normal, vec3(portal->axis))};
-        real share = dot(point - x, next->v) / next->t;
+        real share = dot(point - x, next->v) / reach(next);
         real cosine = dot(next->v, normal);
         Tangent moved[COLUMN_BLOCKS];
         for (int b = 0; b < blocks; b++)

@@ -104,16 +104,17 @@ void add_moving_constraints(const Scene *scene, const Path *path, int m, real3 p
     real3 s = wide ? next->v : reference_direction(scene, here, here->v);
     for (int b = 0; b < blocks; b++) {
         dv_in[b] = dv[b];
-        dv[b] = tangent_times(tangent_across(next->v, dx[b]), (real8)(-1.0 / next->t));
+        dv[b] = is_infinite(next) ? zero : tangent_times(tangent_across(next->v, dx[b]), (real8)(-1.0 / next->t));
         // a lobe about the normal does not mind where its light goes, but one radian is still as far as a linear step is good
         domega[b] = wide ? dv[b] : tangent_sub(dv[b], reference_tangent(scene, here, dv_in[b], dn[b]));
         still[b] = zero;
     }
-    constrain_dependent_lobe(scene, here, s, domega, blocks, factor);
+    // and light from infinity keeps its direction, whatever the node does
+    if (!(wide && is_infinite(next))) constrain_dependent_lobe(scene, here, s, domega, blocks, factor);
 #if DRIFT
     gradient_add_lobe(scene, here, next->v, dv_in, dv, dn, blocks, gradient);
     // 1/r^2 of the light; or the joint's |n.v| / r^2, and the next node's lobe
-    for (int b = 0; b < blocks; b++) gradient->block[b] += 2.0 / next->t * tangent_dot(next->v, dx[b]);
+    for (int b = 0; b < blocks && !is_infinite(next); b++) gradient->block[b] += 2.0 / next->t * tangent_dot(next->v, dx[b]);
     if (m < free_directions(path)) {
         for (int b = 0; b < blocks; b++) gradient->block[b] += tangent_dot(next->ng, dv[b]) / dot(next->ng, next->v);
         if (m + 1 < path->length) gradient_add_lobe(scene, next, path->vertex[m + 2].v, dv, still, still, blocks, gradient);

@@ -21,7 +21,7 @@ PATH_KERNEL void describe_chains(SCENE_PARAMETERS, uint chains, __global const C
     bool charted = charts_of_path(&scene, &path, m, p, charts);
     for (int i = 1; i <= path.length; i++) {
         size_t at = (size_t)index * MAX_DEPTH + i - 1;
-        vstore3(path.vertex[i].x, at, node_out);
+        vstore3(node_position(&path, i), at, node_out);
         vstore3(path.vertex[i].v, at, directions);
         lobes_out[at] = i < path.length ? scene.lobes[path.vertex[i].lobe].signature : -1;
         kinds[at] = charted && i <= m ? charts[i].kind : -1;
@@ -63,7 +63,7 @@ PATH_KERNEL void displace_chains(SCENE_PARAMETERS, uint chains, __global const C
               displaced_path(&scene, &path, m, delta, charts, p, &p_new, &moved, &log_jacobian);
     for (int i = 1; i <= path.length; i++) {
         size_t at = (size_t)index * MAX_DEPTH + i - 1;
-        vstore3(ok ? moved.vertex[i].x : (real3)(NAN), at, node_out);
+        vstore3(ok ? node_position(&moved, i) : (real3)(NAN), at, node_out);
         vstore3(ok ? moved.vertex[i].v : (real3)(NAN), at, directions);
     }
 }
@@ -96,7 +96,7 @@ PATH_KERNEL void try_step(SCENE_PARAMETERS, uint seed, ulong step, uint chains, 
     if (taken.outcome == STEP_NO_PATH) return;
     for (int i = 1; i <= path.length; i++) {
         size_t at = (size_t)index * MAX_DEPTH + i - 1;
-        vstore3(proposal.vertex[i].x, at, node_out);
+        vstore3(node_position(&proposal, i), at, node_out);
         vstore3(proposal.vertex[i].v, at, directions);
         bool on_light = path.ending == ENDING_CONNECT && i == path.length;
         triangles_met[at] = on_light ? -1 : proposal.vertex[i].triangle;

@@ -12,7 +12,7 @@ real3 light_sample(Scene *scene, Vertex *vertex, real3 wi, Rng *rng) {
     int light = sample_light(scene, rng);
     Vertex end;
     place_at_light(scene, light, &end);
-    real3 towards = end.x - vertex->x;
+    real3 towards = is_infinite(&end) ? end.v : end.x - vertex->x;
     real distance2 = length2(towards), scale;
     real3 wo = towards * rsqrt(distance2);
     settle_lobe(scene, vertex, wi, wo);

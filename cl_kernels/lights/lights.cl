@@ -44,22 +44,24 @@ real3 light_intensity(const Scene *scene, int index, real3 direction) {
     return (real3)(0.0);
 }
 
-// Density of a light path's first segment, which runs along `direction`, in solid angle at the light.
-real light_emission_density(const Scene *scene, int index, real3 direction) {
+// Density of a light path's first segment, which runs along `direction` to the point x: in solid angle at the light, or, from
+// infinity, in area across the direction.
+real light_emission_density(const Scene *scene, int index, real3 x, real3 direction) {
     __global const Light *light = &scene->lights[index];
 #define LIGHT_CASE(NUMBER, name) \
     case NUMBER:                 \
-        return name##_density(scene, light, direction);
+        return name##_density(scene, light, x, direction);
     switch (light->kind) { LIGHTS(LIGHT_CASE) }
 #undef LIGHT_CASE
     return 0.0;
 }
 
-real3 sample_light_emission(const Scene *scene, int index, Rng *rng) {
+// Draw it: its direction; at infinity also where it passes, which becomes the position of `end`.
+real3 sample_light_emission(const Scene *scene, int index, Rng *rng, Vertex *end) {
     __global const Light *light = &scene->lights[index];
 #define LIGHT_CASE(NUMBER, name) \
     case NUMBER:                 \
-        return name##_sample(scene, light, rng);
+        return name##_sample(scene, light, rng, end);
     switch (light->kind) { LIGHTS(LIGHT_CASE) }
 #undef LIGHT_CASE
     return (real3)(0.0);

@@ -12,11 +12,11 @@ void point_place(__global const Light *light, Vertex *end) {
 
 real point_emitted(__global const Light *light, real3 direction) { return 1.0; }
 
-real point_density(const Scene *scene, __global const Light *light, real3 direction) {
+real point_density(const Scene *scene, __global const Light *light, real3 x, real3 direction) {
     return aimed_density(scene, vec3(light->position), direction, 0.25 * INV_PI, AIM_FROM_LIGHT);
 }
 
-real3 point_sample(const Scene *scene, __global const Light *light, Rng *rng) {
+real3 point_sample(const Scene *scene, __global const Light *light, Rng *rng, Vertex *end) {
     real3 direction;
     if (sample_aim(scene, vec3(light->position), AIM_FROM_LIGHT, rng, &direction)) return direction;
     real u = rng_uniform(rng), angle = 2.0 * PI * rng_uniform(rng);

@@ -18,12 +18,12 @@ real spot_emitted(__global const Light *light, real3 direction) {
     return square(clamp((light->spread - spot_fall(light, direction)) / fmax(rim, 1e-30), 0.0, 1.0));
 }
 
-real spot_density(const Scene *scene, __global const Light *light, real3 direction) {
+real spot_density(const Scene *scene, __global const Light *light, real3 x, real3 direction) {
     real inside = spot_fall(light, direction) <= light->spread ? 0.5 * INV_PI / light->spread : 0.0;
     return aimed_density(scene, vec3(light->position), direction, inside, AIM_FROM_LIGHT);
 }
 
-real3 spot_sample(const Scene *scene, __global const Light *light, Rng *rng) {
+real3 spot_sample(const Scene *scene, __global const Light *light, Rng *rng, Vertex *end) {
     real3 direction, axis = vec3(light->direction);
     if (sample_aim(scene, vec3(light->position), AIM_FROM_LIGHT, rng, &direction)) return direction;
     real fall = light->spread * rng_uniform(rng), angle = 2.0 * PI * rng_uniform(rng);

@@ -41,12 +41,12 @@ bool draw_from_light(Scene *scene, Path *path, int k, Rng *rng) {
         real3 direction;
         if (j == length - 1)
             direction = path->ending == ENDING_HIT ? sample_emitter_emission(scene, last, rng)
-                                                   : sample_light_emission(scene, path->light, rng);
+                                                   : sample_light_emission(scene, path->light, rng, last);
         else if (!lobe_sample(scene, from, path->vertex[j + 2].v, rng, &direction))
             return false;
         if (!trace_to_vertex(scene, from, direction, vertex)) return false;
         from->v = -direction;  // segment j+1, as travelled from the camera
-        from->t = vertex->t;
+        from->t = is_infinite(from) ? 1.0 : vertex->t;
         vertex->lobe = choose_lobe(scene, vertex->material, rng);
     }
     return true;
@@ -102,7 +102,7 @@ real log_independent_density(const Scene *scene, const Path *path) {
                 density = lobe_density(scene, from, path->vertex[k + 3].v, direction);
             else
                 density = hit ? emitter_emission_density(scene, last, direction)
-                              : light_emission_density(scene, path->light, direction);
+                              : light_emission_density(scene, path->light, to->x, direction);
             // from solid angle at x_{k+2} to solid angle at x_k
             density *= fabs(dot(to->ng, direction)) * square(to->t) / (square(from->t) * fabs(dot(to->ng, to->v)));
             log_choices += log(choice_probability(scene, to->lobe));

@@ -17,7 +17,7 @@ typedef struct {
     real3 ng;     // geometric normal (unit, as the mesh orients it)
     real3 ns;     // shading normal (unit, on ng's side)
     real3 tint;   // the material's texture here, or white
-    real t;       // length of the arriving segment
+    real t;       // length of the arriving segment; one, if it comes from infinity: light falls off by 1 / t^2
     real bu, bv;  // barycentric coordinates of x
     int triangle;
     int material;
@@ -32,6 +32,25 @@ typedef struct {
 } Path;
 
 int free_directions(const Path *path) { return path->ending == ENDING_HIT ? path->length : path->length - 1; }
+
+// Is the node at infinity, where a direction is all there is to it?
+bool is_infinite(const Vertex *vertex) {
+#if HAS_INFINITE
+    return vertex->place == PLACE_INFINITY;
+#else
+    return false;
+#endif
+}
+
+// How far the segment that arrives at the node reaches through the scene, whose radius is about one.
+#define FAR 1e30
+real reach(const Vertex *vertex) { return is_infinite(vertex) ? FAR : vertex->t; }
+
+// Where node i is shown: at infinity, one length away.
+real3 node_position(const Path *path, int i) {
+    const Vertex *vertex = &path->vertex[i];
+    return is_infinite(vertex) ? path->vertex[i - 1].x + vertex->v : vertex->x;
+}
 
 // Does the node take part in scattering as a near-mirror? A property of its material and lobe alone.
 bool is_narrow(const Scene *scene, const Vertex *vertex) {

@@ -99,16 +99,25 @@ bool trace_to_vertex(Scene *scene, const Vertex *from, real3 v, Vertex *vertex) 
     return keeps_off_surface(vertex, segment) && keeps_off_surface(from, segment);
 }
 
-// The segment that joins two nodes, as travelled from the camera: far's v and t. False where they are one point.
+// The segment that joins two nodes, as travelled from the camera: far's v and t, which at infinity are what they are. False where
+// the nodes are one point.
 bool join_nodes(const Vertex *near, Vertex *far) {
+    if (is_infinite(far)) return true;
     far->t = distance(far->x, near->x);
     if (!(far->t > 0.0)) return false;
     far->v = (far->x - near->x) / far->t;
     return true;
 }
 
-// Does nothing block the segment from a to b?
+// Does nothing block the segment from a to b? b may be at infinity.
 bool visible(Scene *scene, const Vertex *a, const Vertex *b) {
+#if HAS_INFINITE
+    if (is_infinite(b)) {
+        if (!keeps_off_surface(a, b->v)) return false;
+        scene->rays++;
+        return !any_hit(scene->nodes, scene->leaves, traced(ray_origin(a, b->v)), traced(b->v), INFINITY);
+    }
+#endif
     real3 towards = b->x - a->x;
     if (!keeps_off_surface(a, towards) || !keeps_off_surface(b, towards)) return false;
     real3 from = ray_origin(a, towards), to = ray_origin(b, -towards);

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..lobes import KINDS, REFERENCES, Lobe
 from ..scene.lights import Light
-from ..scene.lights.light import POINT
+from ..scene.lights.light import INFINITY, POINT
 
 _F3 = (np.float64, (3,))
 _KINDS_OF_LIGHTS: tuple[type[Light], ...] = Light.kinds
@@ -111,7 +111,7 @@ SCENE_STRUCTS = {
     "Target": TARGET,
 }
 ENDINGS = ("connect", "hit")  # how a path ends: joined to a light without area, or on an emitter
-PLACES = ("surface", "pinhole", POINT)  # what a node is: met by rays, or a path's start or end that no ray can meet
+PLACES = ("surface", "pinhole", POINT, INFINITY)  # what a node is: met by rays, or a path's start or end that no ray can meet
 
 
 def lobe_record(kinds: Iterable[type[Lobe]]) -> list[Any]:

@@ -23,7 +23,7 @@ from ..geometry.objects import SceneObject, find_objects
 from ..geometry.portals import find_portals
 from ..lobes import KINDS, REFERENCES, Lobe
 from ..scene import Light, Portal, Scene, Shape, Texture
-from ..scene.lights.light import Placement
+from ..scene.lights.light import INFINITY, Placement
 from .compiled_lights import light_arrays, power_of_two
 from .evenness import GRID
 
@@ -109,6 +109,7 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
         "HAS_LIGHTS": len(scene.lights) > 0,
         "HAS_EMITTERS": len(arrays["emitter_triangles"]) > 0,
         "NUM_LIGHTS": len(scene.lights),
+        "HAS_INFINITE": any(light.place == INFINITY for light in scene.lights),
         "NUM_EMITTER_TRIANGLES": len(arrays["emitter_triangles"]),
         "NUM_PORTALS": len(plan.portals),
         "NUM_TARGETS": len(plan.portals) + len(plan.aimed_objects),

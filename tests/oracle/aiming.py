@@ -6,7 +6,7 @@ import numpy as np
 
 from .random import Streams
 from .scene import World
-from .vectors import Array, about, unit
+from .vectors import Array, about, any_tangent, unit
 
 AIM_MARGIN, AIM_OFFSETS = 1.002, 1.25  # portals are aimed at with this margin, and so many offsets of rays
 AIM_FROM_LIGHT, AIM_FROM_NODE, AIM_FROM_CAMERA = 0.5, 0.25, 0.1  # the latter two where aiming is done everywhere
@@ -81,3 +81,46 @@ def sample_aim(world: World, x: Array, share: float, streams: Streams, wanted: A
         use = aimed & (chosen == index)
         direction[use] = sample_target(world, target, x[use], u1[use], u2[use])
     return direction, aimed
+
+
+def density_across(world: World, x: Array, direction: Array, otherwise: float, share: float) -> Array:
+    """Density, by area across ``direction`` (3,), of the line through x (n, 3): aimed at one of the targets or not."""
+    targets = world.arrays["targets"]
+    if not len(targets):
+        return np.full(len(x), otherwise)
+    total = np.zeros(len(x))
+    for target in targets:
+        to = x - target["centre"].astype(float)
+        if target["sphere"]:
+            radius = float(target["half_size"][0])
+            apart = np.linalg.norm(np.cross(to, direction), axis=-1)
+            total += np.where(apart <= radius, 1 / (np.pi * radius**2), 0)
+            continue
+        normal, axis, half = target["normal"].astype(float), target["axis"].astype(float), aimed_half_size(world, target)
+        met = to - ((to @ normal) / (direction @ normal))[:, None] * direction
+        inside = (np.abs(met @ axis) <= half[0]) & (np.abs(met @ np.cross(normal, axis)) <= half[1])
+        total += np.where(inside, 1 / (4 * half[0] * half[1] * abs(direction @ normal)), 0)
+    return (1 - share) * otherwise + share * total / len(targets)
+
+
+def sample_across(world: World, direction: Array, share: float, streams: Streams, wanted: Array) -> tuple[Array, Array]:
+    """(points that lines along ``direction`` (3,) pass, which were aimed): with probability ``share`` at a target."""
+    targets = world.arrays["targets"]
+    passed, aimed = np.zeros((len(wanted), 3)), np.zeros(len(wanted), bool)
+    if not len(targets):
+        return passed, aimed
+    aimed = wanted & (streams.uniform(wanted) < share)
+    chosen = streams.index(len(targets), aimed)
+    u1, u2 = streams.uniform(aimed), streams.uniform(aimed)
+    for index, target in enumerate(targets):
+        centre, axis = target["centre"].astype(float), target["axis"].astype(float)
+        if target["sphere"]:
+            tangent, radius = any_tangent(direction), float(target["half_size"][0]) * np.sqrt(u1)
+            across = np.cross(direction, tangent)
+            a, b = radius * np.cos(2 * np.pi * u2), radius * np.sin(2 * np.pi * u2)
+        else:
+            tangent, across = axis, np.cross(target["normal"].astype(float), axis)
+            a, b = ((2 * u - 1) * half for u, half in zip((u1, u2), aimed_half_size(world, target), strict=True))
+        point = centre + a[:, None] * tangent + b[:, None] * across
+        passed = np.where((aimed & (chosen == index))[:, None], point, passed)
+    return passed, aimed

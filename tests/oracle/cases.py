@@ -9,7 +9,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import pytest
-from studies.probes import spotlit_scene, textured_scene, varnished_scene
+from studies.probes import spotlit_scene, sunlit_scene, textured_scene, varnished_scene
 
 import pylmc
 from pylmc.sampling.sampler import Sampler
@@ -17,7 +17,12 @@ from pylmc.sampling.states import ChainArrays
 from pylmc.scene import Scene
 
 DEPTH, CHAINS = 8, 120
-MADE = {"textured": textured_scene, "varnished": varnished_scene, "spotlit": spotlit_scene}
+MADE = {
+    "textured": textured_scene,
+    "varnished": varnished_scene,
+    "spotlit": spotlit_scene,
+    "sunlit": sunlit_scene,
+}
 SCENES: dict[str, dict[str, float]] = {
     "keyhole": {"hole": 0.1, "alpha": 0.05},
     "glints": {"size": 0.1, "alpha": 0.1},
@@ -26,6 +31,7 @@ SCENES: dict[str, dict[str, float]] = {
     "textured": {},
     "varnished": {},
     "spotlit": {},
+    "sunlit": {},
 }
 LOBES = {
     "keyhole": {"diffuse", "reflect"},
@@ -35,8 +41,18 @@ LOBES = {
     "textured": {"diffuse", "reflect"},
     "varnished": {"coat", "coated_diffuse", "diffuse"},
     "spotlit": {"diffuse", "reflect"},
+    "sunlit": {"diffuse", "reflect"},
 }
-ENDS = {"keyhole": {0}, "glints": {0}, "caustic": {1}, "box": {1}, "textured": {0, 1}, "varnished": {0, 1}, "spotlit": {0, 1}}
+ENDS = {
+    "keyhole": {0},
+    "glints": {0},
+    "caustic": {1},
+    "box": {1},
+    "textured": {0, 1},
+    "varnished": {0, 1},
+    "spotlit": {0, 1},
+    "sunlit": {0},
+}
 
 
 class Case(NamedTuple):
@@ -69,6 +85,8 @@ CASES = [
     case("varnished", "double", **DEVIATION, rule="rms", drift=True),
     case("spotlit", "single", rule="sum"),
     case("spotlit", "double", rule="mean"),
+    case("sunlit", "single", rule="sum"),
+    case("sunlit", "double", **DEVIATION, rule="rms", drift=True),
 ]
 LONG = [
     case("keyhole", "double", constraints=("lobes", "objects"), rule="rms"),

@@ -144,14 +144,14 @@ def _holes(rows: Rows, charts: Charts, tangents: Tangents, j: int) -> None:
     """Segment j stays in the holes that it passes (11), (20), save one that is its own chart's."""
     world, base = charts.world, charts.base
     for index, portal in enumerate(world.arrays["portals"]):
-        through, _ = world.crossing(portal, base.x[:, j - 1], base.v[:, j], base.t[:, j])
+        through, _ = world.crossing(portal, base.x[:, j - 1], base.v[:, j], base.reach[:, j])
         if j <= charts.m:
             through = through & (charts.kinds[:, j] != PORTAL + index)
         if not through.any():
             continue
 
         def meet(moved: Moved, portal: Any = portal) -> Array:
-            return world.crossing(portal, moved.paths.x[:, j - 1], moved.paths.v[:, j], moved.paths.t[:, j])[1]
+            return world.crossing(portal, moved.paths.x[:, j - 1], moved.paths.v[:, j], moved.paths.reach[:, j])[1]
 
         slope = tangents.of(meet)
         normal, axis = portal["normal"].astype(float), portal["axis"].astype(float)

@@ -115,7 +115,7 @@ def keeps_off(world: World, paths: Paths, j: int) -> Array:
 def visible(world: World, paths: Paths, j: int) -> Array:
     """Whether nothing blocks segment j."""
     t, hit = world.cast(paths.x[:, j - 1], paths.v[:, j], paths.triangle[:, j - 1])
-    return (hit == paths.triangle[:, j]) | (t > paths.t[:, j] * (1 - 1e-9))
+    return (hit == paths.triangle[:, j]) | (t > paths.reach[:, j] * (1 - 1e-9)) | np.isinf(t)
 
 
 def joint_log_jacobian(paths: Paths, m: int) -> Array:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .lights import ends
+from .lights import ends, from_infinity
 from .lobes import Surface
 from .scene import World
 from .vectors import Array, norm
@@ -27,6 +27,7 @@ class Paths:
     x: Array
     v: Array
     t: Array
+    reach: Array  # t, but of segments that come from infinity, whose t is one
     ng: Array
     ns: Array
     tint: Array
@@ -57,7 +58,10 @@ def complete(world: World, length: int, ending: int, light: Array, triangle: Arr
     t[:, 1:] = norm(steps)
     with np.errstate(invalid="ignore"):
         v[:, 1:] = steps / t[:, 1:, None]
-    return Paths(length, ending, light, triangle, lobe, x, v, t, ng, ns, tint)
+    reach = t.copy()
+    if ending == CONNECT:
+        reach[:, -1] = np.where(from_infinity(world, light), np.inf, t[:, -1])
+    return Paths(length, ending, light, triangle, lobe, x, v, t, reach, ng, ns, tint)
 
 
 def paths_through(world: World, length: int, ending: int, light: Array, triangle: Array, weights: Array, lobe: Array) -> Paths:

@@ -18,7 +18,7 @@ from pylmc.sampling.chains import STEPS_PER_LAUNCH
 from pylmc.sampling.sampler import Sampler
 from pylmc.scene import Scene
 
-from .probes import spotlit_scene, textured_scene, varnished_scene
+from .probes import spotlit_scene, sunlit_scene, textured_scene, varnished_scene
 
 ALPHA = 1e-4
 SCENES: dict[str, tuple[str, dict[str, float]]] = {
@@ -29,8 +29,9 @@ SCENES: dict[str, tuple[str, dict[str, float]]] = {
     "textured": ("", {}),
     "varnished": ("", {}),
     "spotlit": ("", {}),
+    "sunlit": ("", {}),
 }
-MADE = {"textured": textured_scene, "varnished": varnished_scene, "spotlit": spotlit_scene}
+MADE = {"textured": textured_scene, "varnished": varnished_scene, "spotlit": spotlit_scene, "sunlit": sunlit_scene}
 
 
 def scene_of(name: str) -> Scene:

@@ -13,7 +13,19 @@ import trimesh
 
 from pylmc.device import program
 from pylmc.device.device_scene import DeviceScene
-from pylmc.scene import Camera, Diffuse, Material, MetallicRoughness, Plastic, PointLight, Scene, Shape, SpotLight, Texture
+from pylmc.scene import (
+    Camera,
+    Diffuse,
+    DirectionalLight,
+    Material,
+    MetallicRoughness,
+    Plastic,
+    PointLight,
+    Scene,
+    Shape,
+    SpotLight,
+    Texture,
+)
 
 
 def build_probe(device: DeviceScene, text: str, name: str, **extra: Any) -> cl.Kernel:
@@ -66,6 +78,22 @@ def spotlit_scene() -> Scene:
     scene = textured_scene()
     spot = SpotLight((-0.5, 1.2, 0.8), (0.4, -1.0, -0.6), 1.5, inner_angle=15, outer_angle=35)
     return Scene(scene.camera, scene.shapes, [*scene.lights, spot])
+
+
+def sunlit_scene() -> Scene:
+    """The textured scene in parallel light, under a roof with a hole that the light is aimed at."""
+    scene = textured_scene()
+    outer, inner = np.array([-0.9, 0.9]), np.array([-0.2, 0.1])
+    roof = [
+        Shape(([[x0, 1.3, z0], [x0, 1.3, z1], [x1, 1.3, z1], [x1, 1.3, z0]], [[0, 1, 2], [0, 2, 3]]), Diffuse(0.4))
+        for x0, x1, z0, z1 in (
+            (outer[0], inner[0], *outer),
+            (inner[1], outer[1], *outer),
+            (*inner, outer[0], inner[0]),
+            (*inner, inner[1], outer[1]),
+        )
+    ]
+    return Scene(scene.camera, [*scene.shapes[:2], *roof], [*scene.lights, DirectionalLight((0.3, -1.0, -0.2), 2.0)])
 
 
 def _corner(floor_material: Callable[[Texture], Material], wall_material: Material) -> Scene:

@@ -10,7 +10,7 @@ import numpy as np
 from ..kinds import Kind
 from ..values import RGB
 
-POINT = "point"  # the place of lights with a position
+POINT, INFINITY = "point", "infinity"  # the places of lights: with a position, or with a direction alone
 
 
 @dataclass(frozen=True, eq=False)

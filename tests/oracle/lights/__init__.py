@@ -2,6 +2,7 @@
 
 A kind's file is called as the kind is and found by that. With ``light`` being a record of the compiled scene's, it has
 
+    INFINITE                                whether it has no position
     end(light, near)                        x_K (n, 3) of paths whose last node but one is ``near``
     emitted(light, direction)               what is sent in a direction, as a part of the light's intensity
     density(world, light, to, direction)    of the first segment, which runs along ``direction`` to the node ``to``: per solid
@@ -32,6 +33,11 @@ def ends(world: World, light: Array, near: Array) -> Array:
         use = light == index
         out[use] = KINDS[record["kind"]].end(record, near[use])
     return out
+
+
+def from_infinity(world: World, light: Array) -> Array:
+    """Which of the lights ``light`` (n,) have no position."""
+    return np.array([KINDS[kind].INFINITE for kind in world.arrays["lights"]["kind"]])[light]
 
 
 def intensity(world: World, light: Array, direction: Array) -> Array:

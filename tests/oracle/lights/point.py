@@ -11,6 +11,8 @@ from ..random import Streams
 from ..scene import World
 from ..vectors import Array
 
+INFINITE = False
+
 
 def end(light: Any, near: Array) -> Array:
     return np.broadcast_to(light["position"].astype(float), near.shape)

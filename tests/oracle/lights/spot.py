@@ -10,6 +10,7 @@ from ..aiming import AIM_FROM_LIGHT, aimed, sample_aim
 from ..random import Streams
 from ..scene import World
 from ..vectors import Array, about
+from .point import INFINITE as INFINITE
 from .point import end as end
 
 

@@ -69,7 +69,7 @@ def choose_lobe(s: Surface, streams: Streams, wanted: Array) -> Array:
     mixed = wanted & ((chances > 0).sum(axis=1) > 1)
     u = np.where(mixed, streams.uniform(mixed), 0.0)[:, None]
     before = s.material["before"].astype(float)
-    return np.argmax((chances > 0) & (u < before + chances), axis=1)
+    return np.argmax((chances > 0) & (u >= before) & (u < before + chances), axis=1)
 
 
 def settled_lobe(s: Surface, arriving: Array, leaving: Array) -> Array:
