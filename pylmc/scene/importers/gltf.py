@@ -1,7 +1,7 @@
 """glTF 2.0 and GLB files as scenes.
 
 Read: triangles with their node transforms, normals and texture coordinates, metallic-roughness materials with a base
-colour texture, emission, the first perspective camera, point lights. Each of the other textures is averaged to one
+colour texture, emission, the first perspective camera, lights. Each of the other textures is averaged to one
 factor; alpha, vertex colours, normal maps, occlusion, skins and animations are ignored.
 """
 
@@ -15,10 +15,12 @@ from typing import Any
 import numpy as np
 
 from ...errors import PylmcError
-from .. import Camera, PointLight, Scene, Shape
+from .. import Camera, Scene, Shape
 from ..framing import frame, light_quads
+from ..lights import Light
 from ..shape import mean_normals
 from .gltf_data import GltfData
+from .gltf_lights import gltf_light
 from .gltf_materials import GltfMaterials
 
 KNOWN_EXTENSIONS = {
@@ -36,7 +38,7 @@ def load_gltf(
     """The scene in a glTF 2.0 or GLB file, on a film of ``width`` × ``height`` pixels.
 
     ``auto_camera`` frames everything if the file has no perspective camera, ``auto_light`` lights it if the file has
-    no point light and nothing that emits. Raises PylmcError, naming the file and what to do, where the file is
+    no light and nothing that emits. Raises PylmcError, naming the file and what to do, where the file is
     unreadable, malformed, asks for an unsupported extension, or lacks a camera or light that was not asked for.
     """
     path = Path(path)
@@ -71,9 +73,8 @@ class _Importer:
         if unknown:
             raise PylmcError(f"requires {', '.join(unknown)}, which is not supported; export the file without it")
         self.shapes: list[Shape] = []
-        self.lights: list[PointLight] = []
+        self.lights: list[Light] = []
         self.cameras: list[tuple[dict[str, Any], np.ndarray]] = []
-        self.ignored: set[str] = set()
         self.materials = GltfMaterials(data)
 
     def scene(self, auto_camera: bool, auto_light: bool, width: int, height: int) -> Scene:
@@ -88,8 +89,7 @@ class _Importer:
             raise PylmcError("has no perspective camera; add one, or use --auto-camera (auto_camera=True)")
         if not self.lights and not any(shape.emission for shape in self.shapes):
             if not auto_light:
-                extra = f" (its {' and '.join(sorted(self.ignored))} lights are not supported)" if self.ignored else ""
-                raise PylmcError(f"has no light{extra}; add a point light, or use --auto-light (auto_light=True)")
+                raise PylmcError("has no light; add a point light, or use --auto-light (auto_light=True)")
             self.shapes += light_quads(self.shapes, camera)
         return Scene(camera, self.shapes, self.lights)
 
@@ -146,13 +146,9 @@ class _Importer:
         lights = self.data.document.get("extensions", {}).get("KHR_lights_punctual", {}).get("lights", [])
         if not isinstance(index, int) or not 0 <= index < len(lights):
             raise PylmcError(f"a node names light {index!r}, which is not there; export the file again")
-        light = lights[index]
-        if light["type"] != "point":
-            self.ignored.add(str(light["type"]))
-            return
-        intensity = np.asarray(light.get("color", (1, 1, 1)), dtype=np.float64) * float(light.get("intensity", 1.0))
-        if np.any(intensity != 0):
-            self.lights.append(PointLight(transform[:3, 3], intensity))
+        light = gltf_light(lights[index], transform)
+        if light is not None:
+            self.lights.append(light)
 
     def _primitive(self, primitive: dict[str, Any], transform: np.ndarray, name: str) -> None:
         attributes = primitive["attributes"]

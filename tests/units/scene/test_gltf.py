@@ -273,10 +273,29 @@ def test_what_is_missing_is_named_with_its_remedy(tmp_path):
         load_gltf(path, auto_light=True)
     with pytest.raises(PylmcError, match=r"bare\.glb.*--auto-light"):
         load_gltf(path, auto_camera=True)
-    lights = {"KHR_lights_punctual": {"lights": [{"type": "spot"}]}}
+    lights = {"KHR_lights_punctual": {"lights": [{"type": "area"}]}}
     nodes = [{"mesh": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}}]
-    with pytest.raises(PylmcError, match="spot lights are not supported"):
-        load_gltf(Builder(nodes=nodes, extensions=lights).square().glb(tmp_path / "spot.glb"), auto_camera=True)
+    with pytest.raises(PylmcError, match=r"lamp\.glb.*'area', not point, spot or directional"):
+        load_gltf(Builder(nodes=nodes, extensions=lights).square().glb(tmp_path / "lamp.glb"), auto_camera=True)
+
+
+def test_spot_and_directional_lights_shine_along_the_nodes_axis(tmp_path):
+    """-z of a node that is turned by 90 degrees about y; the default cone; angles in radians."""
+    cone = {"innerConeAngle": np.radians(10), "outerConeAngle": np.radians(20)}
+    kinds = [{"type": "spot", "intensity": 3.0, "spot": cone}, {"type": "spot"}, {"type": "directional", "color": [1, 0.5, 0]}]
+    turned = {"rotation": [0, np.sqrt(0.5), 0, np.sqrt(0.5)], "translation": [1, 2, 3]}
+    nodes = [
+        {"mesh": 0, "children": [1, 2, 3]},
+        *({**turned, "extensions": {"KHR_lights_punctual": {"light": i}}} for i in range(3)),
+    ]
+    path = Builder(nodes=nodes, extensions={"KHR_lights_punctual": {"lights": kinds}}).square().glb(tmp_path / "lamps.glb")
+    narrow, plain, sun = load_gltf(path, auto_camera=True).lights
+    for light in (narrow, plain, sun):
+        np.testing.assert_allclose(light.direction, [-1, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(narrow.position, [1, 2, 3])
+    assert narrow.intensity == (3, 3, 3) and sun.irradiance == (1, 0.5, 0)
+    assert (narrow.inner_angle, narrow.outer_angle) == pytest.approx((10, 20))
+    assert (plain.inner_angle, plain.outer_angle) == pytest.approx((0, 45))
 
 
 ACCESSOR, VIEW, PRIMITIVE = ("accessors", 0), ("bufferViews", 0), ("meshes", 0, "primitives", 0)
