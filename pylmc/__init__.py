@@ -12,16 +12,24 @@ from typing import TYPE_CHECKING, Any
 from . import caches
 
 if TYPE_CHECKING:
+    from .device.arrays import Film as Film
     from .device.raytracer import RayTracer as RayTracer
     from .errors import PylmcError as PylmcError
     from .errors import PylmcWarning as PylmcWarning
     from .inspection import info as info
+    from .lobes.base import Lobe as Lobe
     from .rendering import Render as Render
     from .rendering import render as render
+    from .sampling.chains import State as State
+    from .sampling.groups import Group as Group
     from .sampling.sampler import Sampler as Sampler
+    from .sampling.states import ChainArrays as ChainArrays
+    from .sampling.states import Counters as Counters
     from .sampling.states import States as States
+    from .sampling.states import Trial as Trial
     from .scene import *  # noqa: F403
     from .scene.loading import load as load
+    from .settings import Settings as Settings
 
     __version__: str
     __all__: list[str]
@@ -32,10 +40,15 @@ _HOME = {
     "errors": ("PylmcError", "PylmcWarning"),
     "inspection": ("info",),
     "scene.loading": ("load",),
+    "device.arrays": ("Film",),
     "device.raytracer": ("RayTracer",),
+    "lobes.base": ("Lobe",),
     "rendering": ("Render", "render"),
+    "sampling.chains": ("State",),
+    "sampling.groups": ("Group",),
     "sampling.sampler": ("Sampler",),
-    "sampling.states": ("States",),
+    "sampling.states": ("ChainArrays", "Counters", "States", "Trial"),
+    "settings": ("Settings",),
 }
 _MODULE_OF = {name: module for module, names in _HOME.items() for name in names}
 

@@ -13,6 +13,6 @@ from .scene import Scene
 from .shape import Shape
 from .texture import Texture
 
-OFFERED = (Camera, Portal, Scene, Shape, Texture, *Light.kinds, *Material.kinds)
+OFFERED = (Camera, Portal, Scene, Shape, Texture, Light, *Light.kinds, Material, *Material.kinds)
 NAMES = sorted(kind.__name__ for kind in OFFERED)  # what pylmc offers of the scene
-__all__ = ["Light", "Material", *NAMES]
+__all__ = [*NAMES]

@@ -5,6 +5,8 @@ import json
 import subprocess
 import sys
 import textwrap
+import typing
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +41,43 @@ def test_every_name_is_there_and_is_no_module() -> None:
     assert pylmc.__version__.count(".") >= 1
     with pytest.raises(AttributeError, match="no attribute 'rendr'"):
         pylmc.rendr  # noqa: B018
+
+
+def functions_of(name: str) -> Iterator[Callable[..., Any]]:
+    """An exported function, or an exported class' public methods and properties."""
+    thing = getattr(pylmc, name)
+    if inspect.isfunction(thing):
+        yield thing
+        return
+    for attribute, value in vars(thing).items():
+        function = getattr(value, "fget", None) or getattr(value, "__func__", value)
+        if not attribute.startswith("_") and inspect.isfunction(function):
+            yield function
+
+
+def classes_in(hint: Any) -> Iterator[type]:
+    """The classes that a type hint names."""
+    if isinstance(hint, type):
+        yield hint
+    for part in typing.get_args(hint):
+        yield from classes_in(part)
+
+
+@pytest.mark.parametrize("name", pylmc.__all__)
+def test_every_name_is_explained(name: str) -> None:
+    said = getattr(pylmc, name).__doc__
+    assert said and not said.startswith(f"{name}("), "a dataclass without a docstring gets one of its fields"
+    page = (Path(__file__).parents[2] / "docs" / "api.md").read_text(encoding="utf-8")
+    assert f"`{name}`" in page, f"docs/api.md does not say what {name} is"
+
+
+@pytest.mark.parametrize("name", pylmc.__all__)
+def test_what_is_returned_is_exported(name: str) -> None:
+    for function in functions_of(name):
+        assert function.__doc__, f"{function.__qualname__} has no docstring"
+        for kind in classes_in(typing.get_type_hints(function)["return"]):
+            ours = kind.__module__.split(".")[0] == "pylmc"
+            assert not ours or kind.__name__ in pylmc.__all__, f"{function.__qualname__} returns a {kind.__name__}"
 
 
 def run_python(code: str, **more: Any) -> subprocess.CompletedProcess[str]:
