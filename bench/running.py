@@ -10,16 +10,13 @@ from typing import Any
 import numpy as np
 
 from pylmc.colour import LUMINANCE
-from pylmc.integrators.bdpt import Bidirectional
-from pylmc.integrators.lmc import LangevinMonteCarlo
-from pylmc.integrators.path import PathTracer
+from pylmc.integrators import made
 from pylmc.picture.metrics import trimmed
 from pylmc.picture.statistics import relative_square
 from pylmc.sampling.chains import STEPS_PER_LAUNCH
 from pylmc.sampling.sampler import Sampler
 from pylmc.scene import Scene
 
-WORKERS = {"lmc": LangevinMonteCarlo, "bdpt": Bidirectional, "path": PathTracer}
 CANDIDATES = 1 << 15  # of the start, per path length and ending: little, so that the run itself decides
 CHAINS = 4096
 
@@ -41,7 +38,7 @@ class Trace:
 
 def prepared(sampler: Sampler, integrator: str, seed: int) -> Any:
     """An integrator that is compiled, started, and ready to advance."""
-    worker: Any = WORKERS[integrator](sampler)
+    worker: Any = made(integrator, sampler)
     start = {"candidates": CANDIDATES} if integrator == "lmc" else {}
     worker.prepare(seed, quick=True, **start)
     return worker

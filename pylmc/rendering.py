@@ -16,10 +16,8 @@ import pyopencl
 
 from .colour import LUMINANCE
 from .errors import PylmcError, PylmcWarning
-from .integrators import Integrator
-from .integrators.bdpt import Bidirectional
-from .integrators.lmc import LangevinMonteCarlo
-from .integrators.path import PathTracer
+from .integrators import made
+from .integrators.integrator import Integrator
 from .interruption import Asked, gently
 from .options import check_names
 from .picture.statistics import relative_error
@@ -28,7 +26,7 @@ from .sampling.sampler import Sampler
 from .scene import Scene
 from .settings import DEFAULT_SECONDS, Run, Settings, explained
 
-BATCHES = 16  # the error estimate compares this many parts of the run
+LOOKS = 16  # at the picture's error, while the progress bar goes on
 QUICK_SECONDS, QUICK_MUTATIONS = 10, 1 << 23  # shorter renders spend less on the start
 
 
@@ -102,8 +100,7 @@ def render(
     if seconds is None and mutations_per_pixel is None:
         seconds = DEFAULT_SECONDS
     sampler = Sampler(scene, device=device, precision=precision, **settings)
-    kinds: dict[str, Any] = {"lmc": LangevinMonteCarlo, "bdpt": Bidirectional, "path": PathTracer}
-    worker: Integrator = kinds[integrator](sampler)
+    worker = made(integrator, sampler)
     with gently() as asked:
         work = None if mutations_per_pixel is None else mutations_per_pixel * sampler.film_pixels
         quick = seconds < QUICK_SECONDS if seconds is not None else (work or 0) < QUICK_MUTATIONS
@@ -118,7 +115,7 @@ def render(
             stacklevel=2,
         )
     variance = worker.variance()
-    spent = worker.seconds["run"]
+    spent = worker.run_seconds
     diagnostics = {
         "scene_shapes": len(scene.shapes),
         "size": [scene.camera.width, scene.camera.height],
@@ -134,9 +131,9 @@ def render(
         "mean_luminance": float((image @ LUMINANCE).mean()),
         "relative_error": relative_error(image, variance),
         "seconds": {
-            "build": worker.seconds["build"],
+            "build": sampler.seconds["build"],
             "compile": sampler.compile_seconds,
-            "bootstrap": worker.seconds["bootstrap"],
+            "bootstrap": sampler.seconds["bootstrap"],
             "run": spent,
         },
     }
@@ -168,25 +165,22 @@ def _warn_of_range(image: np.ndarray) -> None:
 
 
 def _run(worker: Integrator, seconds: float | None, work: float | None, shown: bool, asked: Asked) -> None:
-    """Advance until the budget is spent or somebody asks to stop, closing BATCHES batches on the way."""
+    """Advance until the budget is spent or somebody asks to stop."""
     start, goal = time.perf_counter(), float(seconds if seconds is not None else work or 0)
     with closing(Progress(goal, shown)) as progress:
-        batch, error = 1, None
+        look, error = 1, None
         spent = 0.0
         while spent < goal and not asked.is_set():
             worker.advance()
             elapsed = time.perf_counter() - start
             spent = elapsed if seconds is not None else float(worker.done)
-            if spent >= goal * batch / BATCHES:
-                worker.end_batch()
-                batch = int(spent / goal * BATCHES) + 1
-                if shown:
-                    error = relative_error(worker.image(), worker.variance())
+            if shown and spent >= goal * look / LOOKS:
+                look = int(spent / goal * LOOKS) + 1
+                error = relative_error(worker.image(), worker.variance())
             note = {worker.unit + "/s": f"{worker.done / elapsed:.3g}", **worker.note()}
             if error is not None:
                 note["error"] = f"{100 * error:.1f}%"
             progress.show(spent, note)
-    worker.end_batch()
 
 
 def _versions() -> dict[str, str]:

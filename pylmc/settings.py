@@ -13,6 +13,7 @@ from dataclasses import dataclass, fields
 from typing import Any, TypeVar
 
 from .errors import PylmcError
+from .integrators import INTEGRATORS
 from .options import (
     Anything,
     Choice,
@@ -34,7 +35,6 @@ PROJECTIONS = ("normalise", "orthographic")
 CONSTRAINTS = ("lobes", "portals", "objects", "normals")
 DIFFERENTIALS = ("full", "reduced")
 MATHS = ("exact", "relaxed", "fast", "native")
-INTEGRATORS = ("lmc", "bdpt", "path")
 PRECISIONS = ("single", "mixed", "double", "float-float")
 MAX_DEPTH = 32
 DEFAULT_SECONDS = 60.0  # of a render that is given neither time nor mutations
@@ -196,7 +196,7 @@ class Run:
     integrator: str = option(
         "lmc",
         Choice(*INTEGRATORS),
-        "Markov chains (lmc), their independent bidirectional sampler alone (bdpt), or a unidirectional path tracer (path)",
+        ", ".join(f"{entry.what} ({name})" for name, entry in INTEGRATORS.items()),
     )
 
     def __post_init__(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -89,6 +90,22 @@ class Film:
         words = self.words(slot)
         return np.divide(words, FILM_SCALE, out=words.view(np.float64))
 
+    def slot(self, slot: int) -> FilmSlot:
+        """One of the pictures, to be read later."""
+        return FilmSlot(self, slot)
+
     def clear(self) -> None:
         """Forget all splats."""
         self.device.clear(self.buffer)
+
+
+@dataclass(frozen=True)
+class FilmSlot:
+    """One of a film's pictures."""
+
+    film: Film
+    slot: int
+
+    def read(self) -> np.ndarray:
+        """Its sum so far (height, width, 3), float64."""
+        return self.film.read(self.slot)

@@ -1,39 +1,35 @@
-"""What can fill a film: the Markov chains (lmc), their independent sampler alone (bdpt), a path tracer (path).
+"""What can fill a film, registered by name: each is a file with a class (see pylmc/integrators/integrator.py) and a line here.
 
-An integrator is advanced launch by launch by :mod:`pylmc.rendering`, which keeps the time, the progress bar and the batches.
+This list is all that the command line, the settings and :func:`pylmc.render` know of integrators. It loads none of them.
 """
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from importlib import import_module
+from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
+if TYPE_CHECKING:
+    from ..sampling.sampler import Sampler
+    from .integrator import Integrator
 
 
-class Integrator(Protocol):
-    """``unit`` names what is counted: mutations or samples; ``done`` counts them; ``seconds`` what took how long."""
+class Registered(NamedTuple):
+    """The file and class of an integrator, and what it is in a few words."""
 
-    unit: str
-    done: int
-    seconds: dict[str, float]
+    file: str
+    kind: str
+    what: str
 
-    def prepare(self, seed: int, quick: bool) -> None:
-        """Compile and get ready; ``quick`` spends less on it, for short renders."""
 
-    def advance(self) -> None:
-        """Do one launch's work and wait for it."""
+INTEGRATORS = {
+    "lmc": Registered("lmc", "LangevinMonteCarlo", "Markov chains"),
+    "bdpt": Registered("bdpt", "Bidirectional", "their independent bidirectional sampler alone"),
+    "path": Registered("path", "PathTracer", "a unidirectional path tracer"),
+}
 
-    def end_batch(self) -> None:
-        """Close a batch, for the error estimate."""
 
-    def image(self) -> np.ndarray:
-        """The picture so far (height, width, 3), in the scene's radiance."""
-
-    def variance(self) -> np.ndarray | None:
-        """The estimated variance of the picture's luminance (height, width), or None where it is too early."""
-
-    def note(self) -> dict[str, str]:
-        """A few words for the progress bar."""
-
-    def diagnostics(self) -> dict[str, Any]:
-        """What OUT.json tells of this integrator."""
+def made(name: str, sampler: Sampler) -> Integrator:
+    """The integrator of that name, for ``sampler``'s scene, settings and device."""
+    registered = INTEGRATORS[name]
+    new: Integrator = getattr(import_module(f".{registered.file}", __name__), registered.kind)(sampler)
+    return new

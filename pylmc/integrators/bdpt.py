@@ -2,36 +2,25 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import numpy as np
 import pyopencl as cl
 
-from ..colour import LUMINANCE
 from ..device import tables
 from ..device.arrays import Film, Records
-from ..picture.statistics import BatchMeans
+from ..picture.estimators import Estimator
 from ..sampling.chains import STEPS_PER_LAUNCH
 from ..sampling.groups import Group
-from ..sampling.sampler import Sampler
+from .integrator import Integrator
 
 STREAMS_CPU, STREAMS_GPU = 4096, 65536
 
 
-class Bidirectional:
+class Bidirectional(Integrator):
     """Shares its streams of samples among path lengths in proportion to the spread of their weights, from a pilot."""
 
     unit = "samples"
-
-    def __init__(self, sampler: Sampler) -> None:
-        self.sampler = sampler
-        self.done = self.rays = self.not_finite = 0
-        self.launches = 0
-
-    @property
-    def seconds(self) -> dict[str, float]:
-        return self.sampler.seconds
 
     def prepare(self, seed: int, quick: bool) -> None:
         device, camera = self.sampler.device_scene, self.sampler.scene.camera
@@ -59,8 +48,6 @@ class Bidirectional:
         self._kernel = device.kernel("entry/bdpt.cl", "render_independent")
         with device.compiling():
             self._launch(0)
-        self.batches = BatchMeans()
-        self._last, self._last_launches = np.zeros(1), 0
 
     def _launch(self, steps: int) -> None:
         self.sampler.device_scene.launch(
@@ -76,39 +63,20 @@ class Bidirectional:
             np.int32(self.sampler.film_pixels),
         )
 
-    def advance(self) -> None:
-        start = time.perf_counter()
+    def launch(self) -> None:
         self._launch(STEPS_PER_LAUNCH)
         counts = self._counters.read()
         self._counters.clear()
         self.rays += int(counts["rays"].sum(dtype=np.int64))
         self.not_finite += int(counts["not_finite"].sum(dtype=np.int64))
-        self.launches += 1
         self.done += self.streams * STEPS_PER_LAUNCH
-        self.seconds["run"] += time.perf_counter() - start
 
-    def _sum(self) -> np.ndarray:
-        """The picture times the number of launches."""
-        total = np.zeros(self.film.shape)
-        for slot, (group, scale) in enumerate(zip(self.groups, self.scales, strict=True)):
-            total += self.film.read(slot) / (scale * group.chains * STEPS_PER_LAUNCH)
-        return total * self.sampler.film_pixels * self.sampler.compiled.radiance_scale
-
-    def end_batch(self) -> None:
-        if self.launches > self._last_launches:
-            total = self._sum() @ LUMINANCE
-            work = self.launches - self._last_launches
-            self.batches.add((total - self._last) / work, work)
-            self._last, self._last_launches = total, self.launches
-
-    def image(self) -> np.ndarray:
-        return self._sum() / max(self.launches, 1)
-
-    def variance(self) -> np.ndarray | None:
-        return self.batches.variance_of_mean()
-
-    def note(self) -> dict[str, str]:
-        return {}
+    def estimators(self) -> list[Estimator]:
+        unit = self.sampler.film_pixels * self.sampler.compiled.radiance_scale
+        return [
+            Estimator(group.name, self.film.slot(slot), unit / scale, group.chains * STEPS_PER_LAUNCH * self.launches)
+            for slot, (group, scale) in enumerate(zip(self.groups, self.scales, strict=True))
+        ]
 
     def diagnostics(self) -> dict[str, Any]:
         scale = self.sampler.compiled.radiance_scale

@@ -2,31 +2,31 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import numpy as np
 
-from ..colour import LUMINANCE
 from ..device.arrays import Records
-from ..picture.statistics import BatchMeans
-from ..sampling.sampler import Sampler
+from ..picture.estimators import Estimator
+from .integrator import Integrator
 
 PIXELS_PER_LAUNCH = 1 << 18  # keeps a launch short on large films, for the progress bar and Ctrl-C
 
 
-class PathTracer:
+class _Sum:
+    """A film on the host."""
+
+    def __init__(self, height: int, width: int) -> None:
+        self.sum = np.zeros((height, width, 3))
+
+    def read(self) -> np.ndarray:
+        return self.sum.copy()
+
+
+class PathTracer(Integrator):
     """One sample per pixel and pass; the picture is the mean over whole passes."""
 
     unit = "samples"
-
-    def __init__(self, sampler: Sampler) -> None:
-        self.sampler = sampler
-        self.done = self.rays = self.passes = self.not_finite = 0
-
-    @property
-    def seconds(self) -> dict[str, float]:
-        return self.sampler.seconds
 
     def prepare(self, seed: int, quick: bool) -> None:
         device = self.sampler.device_scene
@@ -39,16 +39,14 @@ class PathTracer:
         self._kernel = device.kernel("entry/path_tracer.cl", "render_paths", NUM_TARGETS=0)
         with device.compiling():
             self._launch(0, 1, 0)
-        self.batches = BatchMeans()
-        self._sum = np.zeros((self.sampler.scene.camera.height, self.sampler.scene.camera.width, 3))
-        self._last, self._last_passes, self._pending = np.zeros(1), 0, 0
+        self.film = _Sum(self.sampler.scene.camera.height, self.sampler.scene.camera.width)
 
     def _launch(self, first: int, count: int, passes: int) -> None:
         self.sampler.device_scene.launch(
             self._kernel,
             count,
             np.uint32(self.seed),
-            np.uint64(self.passes),
+            np.uint64(self.launches),
             np.int32(passes),
             np.int32(self.sampler.settings.max_depth),
             np.int32(first),
@@ -57,49 +55,24 @@ class PathTracer:
             self._film,
         )
 
-    def advance(self) -> None:
-        device = self.sampler.device_scene
-        start = time.perf_counter()
-        pixels = self.sampler.film_pixels
+    def launch(self) -> None:
+        device, pixels = self.sampler.device_scene, self.sampler.film_pixels
         for first in range(0, pixels, PIXELS_PER_LAUNCH):
-            count = min(PIXELS_PER_LAUNCH, pixels - first)
-            self._launch(first, count, 1)
-        device.queue.finish()
-        self.passes += 1
-        self.done += pixels
-        self._pending += 1
-        if self._pending == 64:
-            self._collect()
-        self.seconds["run"] += time.perf_counter() - start
-
-    def _collect(self) -> None:
-        """Move the device's float32 sums to the host's float64 ones before they lose digits."""
-        device = self.sampler.device_scene
-        self._sum += device.read_reals(self._film, self._sum.shape)
+            self._launch(first, min(PIXELS_PER_LAUNCH, pixels - first), 1)
+        # a pass at a time: the device's float32 sums lose digits as they grow
+        self.film.sum += device.read_reals(self._film, self.film.sum.shape)
         device.clear(self._film)
         counts = self._counters.read()
         self._counters.clear()
         self.rays += int(counts["rays"].sum(dtype=np.int64))
         self.not_finite += int(counts["not_finite"].sum(dtype=np.int64))
-        self._pending = 0
+        self.done += pixels
 
-    def end_batch(self) -> None:
-        if self.passes > self._last_passes:
-            self._collect()
-            total = self._sum @ LUMINANCE * self.sampler.compiled.radiance_scale
-            work = self.passes - self._last_passes
-            self.batches.add((total - self._last) / work, work)
-            self._last, self._last_passes = total, self.passes
-
-    def image(self) -> np.ndarray:
-        self._collect()
-        return self._sum * (self.sampler.compiled.radiance_scale / max(self.passes, 1))
-
-    def variance(self) -> np.ndarray | None:
-        return self.batches.variance_of_mean()
+    def estimators(self) -> list[Estimator]:
+        return [Estimator("path", self.film, self.sampler.compiled.radiance_scale, self.launches)]
 
     def note(self) -> dict[str, str]:
-        return {"passes": str(self.passes)}
+        return {"passes": str(self.launches)}
 
     def diagnostics(self) -> dict[str, Any]:
-        return {"samples_per_pixel": self.passes, "rays": self.rays, "not_finite_rejected": self.not_finite}
+        return {"samples_per_pixel": self.launches, "rays": self.rays, "not_finite_rejected": self.not_finite}

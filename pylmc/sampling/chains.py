@@ -140,7 +140,7 @@ def _read(counters: Records) -> Info:
         raw["acceptance"].astype(np.float64),
         raw["weight_sum"].astype(np.float64),
         raw["weight_square_sum"].astype(np.float64),
-        raw["trace"],
+        raw["trace"].copy(),  # a view would keep all of the counters
         int(raw["not_finite"].sum(dtype=np.int64)),
         int(raw["rays"].sum(dtype=np.int64)),
     )

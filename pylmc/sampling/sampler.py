@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 import warnings
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from ..checks import check_integer
 from ..device.arrays import Film
 from ..device.device_scene import DeviceScene
 from ..errors import PylmcError, PylmcWarning
+from ..picture.estimators import Estimator, picture
 from ..scene import Scene
 from ..settings import Settings, explained
 from . import start, views
@@ -47,7 +49,7 @@ class Sampler:
         for sentence in limits(scene, self.compiled, precision):
             warnings.warn(sentence, PylmcWarning, stacklevel=2)
         self.device_scene = DeviceScene(self.compiled, self.settings, device, precision)
-        self.seconds = {"build": time.perf_counter() - begin, "bootstrap": 0.0, "run": 0.0}
+        self.seconds = {"build": time.perf_counter() - begin, "bootstrap": 0.0}
         self.groups: list[Group] = []
         self.dark_groups: list[str] = []  # those in which the start found no light
         self._state: State | None = None
@@ -135,21 +137,23 @@ class Sampler:
         """Go on with ``state``, which belongs to this sampler's device scene, and an empty film."""
         camera = self.scene.camera
         self._state, self._counted, self._told_not_finite = state, None, 0
-        self.groups, self.dark_groups = list(state.groups), list(state.dark)
+        self.groups, self.dark_groups = [copy(group) for group in state.groups], list(state.dark)
         self._film = Film(self.device_scene, len(self.groups), camera.height, camera.width)
 
     def step(self, n: int = STEPS_PER_LAUNCH, **constants: Any) -> None:
-        """Advance every chain by ``n`` steps and wait. ``constants``: as for :func:`pylmc.sampling.chains.step`."""
+        """Advance every chain by ``n`` steps and wait; large steps refine each group's b.
+
+        ``constants``: as for :func:`pylmc.sampling.chains.step`.
+        """
         n = check_integer("n", n, 0, 1 << 40)
-        begin = time.perf_counter()
         self._state, info = step(self.state, n, self.film, **constants)
         self._counted = info if self._counted is None else self._counted + info
-        for group in self.groups:
+        for group, *sums in zip(self.groups, *self.state.sums, strict=True):
             group.steps += n
-        self.seconds["run"] += time.perf_counter() - begin
+            group.weighed, group.weight_sum, group.weight_square_sum = int(sums[0]), float(sums[1]), float(sums[2])
 
     def counters(self) -> Counters:
-        """What the chains counted since the last call; large steps refine each group's b.
+        """What the chains counted since the last call.
 
         Candidates of the start whose weight was not finite are counted with the first call's ``not_finite``.
         """
@@ -158,20 +162,21 @@ class Sampler:
             self.step(0)
         assert self._counted is not None
         info, self._counted = self._counted, None
-        for group, *sums in zip(self.groups, *state.sums, strict=True):
-            group.weighed, group.weight_sum, group.weight_square_sum = int(sums[0]), float(sums[1]), float(sums[2])
         not_finite = state.not_finite - self._told_not_finite
         self._told_not_finite = state.not_finite
         return Counters(info.proposed, info.acceptance, info.trace, not_finite, info.rays)
 
+    def estimators(self) -> list[Estimator]:
+        """The picture's parts: one for each group, whose films the chains splat into."""
+        unit = self.film_pixels * self.compiled.radiance_scale
+        return [
+            Estimator(group.name, self.film.slot(slot), group.b * unit, group.steps * group.chains)
+            for slot, group in enumerate(self.groups)
+        ]
+
     def image(self) -> np.ndarray:
         """The picture so far (height, width, 3), float64, in the scene's units of radiance."""
-        total = np.zeros((self.scene.camera.height, self.scene.camera.width, 3))
-        for slot, group in enumerate(self.groups):
-            film = self.film.read(slot)
-            film *= group.b * self.film_pixels / (max(group.steps, 1) * group.chains) * self.compiled.radiance_scale
-            total += film
-        return total
+        return picture(self.estimators())
 
     def states(self, block: int = 0) -> States:
         """Every chain's path; ``block`` limits charts and factors to that many leading directions (0: all free ones)."""
