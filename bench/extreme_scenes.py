@@ -15,11 +15,10 @@ import numpy as np
 import pylmc
 from pylmc import Camera, Diffuse, PointLight, Portal, RoughConductor, Scene, Shape
 from pylmc.sampling.compiled import compile_scene
-from pylmc.scene.loading import scene_module
+from pylmc.scene.builtin._meshes import box, rectangle
 
 SIDE = 16  # pixels of the film, where that is not what is driven
 SLIVERS = 1000
-rectangle, box = scene_module("_meshes").rectangle, scene_module("_meshes").box
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ examples:
   pylmc compare keyhole.exr reference.exr -o difference.png
 
 SCENE is a built-in scene (`pylmc scenes` lists them), such as keyhole, with parameters after a colon if wanted:
-keyhole:hole=0.01,alpha=0.005; or the path of a .gltf or .glb file.
+keyhole:hole=0.01,alpha=0.005; or the path of a scene file (glTF, GLB).
 
 `pylmc COMMAND --help` explains a command.
 
@@ -178,7 +178,7 @@ def build_parser(run: Mapping[str, Callable[[argparse.Namespace], int]]) -> argp
     compare.add_argument("-o", "--output", type=Path, metavar="DIFF.png", help="write a picture of the differences")
 
     command("devices", "list the OpenCL devices that work, and why the others do not")
-    command("scenes", "list the built-in scenes with their parameters' default values")
+    command("scenes", "list the built-in scenes with their parameters, and the kinds of scene files")
     return parser
 
 
@@ -187,7 +187,7 @@ def _add_scene(parser: argparse.ArgumentParser) -> None:
         "scene",
         metavar="SCENE",
         help="a built-in scene (`pylmc scenes`), with parameters if wanted: "
-        "keyhole:hole=0.01,alpha=0.005; or a .gltf or .glb file",
+        "keyhole:hole=0.01,alpha=0.005; or a scene file (glTF, GLB)",
     )
     parser.add_argument("--size", type=_size, metavar="WxH", help="of the film, in pixels (default: the scene's)")
     parser.add_argument("--auto-camera", action="store_true", help="frame a file's scene that has no camera")

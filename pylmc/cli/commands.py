@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import inspect
 import math
 import os
 import re
@@ -183,12 +182,16 @@ def _devices(options: argparse.Namespace) -> int:
 
 
 def _scenes(options: argparse.Namespace) -> int:
-    from ..scene.loading import BUILT_IN, parameters, scene_module
+    from ..scene import builtin
+    from ..scene.importers import importers
 
-    for name in BUILT_IN:
-        defaults = ",".join(f"{key}={value}" for key, value in parameters(name).items())
-        summary = (inspect.getdoc(scene_module(name)) or "").partition("\n")[0]
-        print(f"{name}{':' if defaults else ''}{defaults}\n    {summary}")
+    for name in builtin.NAMES:
+        known = builtin.parameters(name)
+        defaults = ",".join(f"{key}={default:g}" for key, (default, _) in known.items())
+        print(f"{name}{':' if defaults else ''}{defaults}\n    {builtin.summary(name)}")
+        for key, (_, parameter) in known.items():
+            print(f"    {key}: {parameter.help} (greater than 0, at most {parameter.greatest:g})")
+    print(f"or a file: {', '.join(sorted(importers()))}")
     return 0
 
 
@@ -206,14 +209,14 @@ def _load(options: argparse.Namespace, name: str, parameters: dict[str, Any]) ->
 
 def parse_scene(text: str) -> tuple[str, dict[str, Any]]:
     """A SCENE argument as a name or path and its parameters; raises PylmcError for a malformed or missing one."""
-    from ..scene.loading import BUILT_IN
+    from ..scene import builtin
 
     name, colon, rest = text.partition(":")
     if not text.strip():
         raise PylmcError("no scene is given; name a file or a built-in scene (`pylmc scenes`)")
-    if name not in BUILT_IN and Path(text).exists():
+    if name not in builtin.NAMES and Path(text).exists():
         if Path(text).is_dir():
-            raise PylmcError(f"scene '{text}' is a folder; name a .gltf or .glb file in it")
+            raise PylmcError(f"scene '{text}' is a folder; name a scene file in it")
         return text, {}
     if not re.fullmatch(r"[A-Za-z_]\w*", name):
         raise PylmcError(f"scene '{text}': no such file; give a path, or a built-in scene (`pylmc scenes`)")

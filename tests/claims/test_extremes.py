@@ -22,7 +22,7 @@ from pylmc import PylmcWarning, Sampler
 from pylmc.colour import LUMINANCE
 from pylmc.sampling.compiled import compile_scene
 from pylmc.sampling.limits import limits
-from pylmc.scene.loading import BUILT_IN
+from pylmc.scene import builtin
 
 PRECISIONS = ("single", "mixed", "double")
 LARGEST_FILM = 2048  # in a quick test; 8192 takes gigabytes
@@ -97,7 +97,7 @@ def test_a_broken_small_step_is_seen() -> None:
 
 
 @pytest.mark.parametrize("precision", [*PRECISIONS, "float-float"])
-@pytest.mark.parametrize("name", BUILT_IN)
+@pytest.mark.parametrize("name", builtin.NAMES)
 def test_built_in_scenes_are_within_every_limit(name: str, precision: str) -> None:
     scene = pylmc.load(name)
     assert limits(scene, compile_scene(scene, precision), precision) == []

@@ -6,13 +6,15 @@ that helps elsewhere must not cost here.
 
 from __future__ import annotations
 
+from typing import Annotated
+
 from pylmc.scene import Camera, Diffuse, Scene, Shape
 
 from ._meshes import box, rectangle
+from ._parameter import Parameter
 
 
-def build(light: float = 0.5, width: int = 256, height: int = 256) -> Scene:
-    """``light``: side of the square light as a part of the ceiling's (0 to 1)."""
+def build(light: Annotated[float, Parameter("side of the square light, the ceiling's being 1", 0.95)] = 0.5) -> Scene:
     white, red, green = Diffuse(0.73), Diffuse((0.63, 0.06, 0.05)), Diffuse((0.14, 0.45, 0.09))
     low = (1 - light) / 2
     shapes = [
@@ -25,4 +27,4 @@ def build(light: float = 0.5, width: int = 256, height: int = 256) -> Scene:
         Shape(box((0.66, 0.15, 0.64), (0.3, 0.3, 0.3), -17), white, name="short block"),
         Shape(rectangle((low, 0.998, low), (light, 0, 0), (0, 0, light)), Diffuse(0.0), emission=3.0, name="light"),
     ]
-    return Scene(Camera((0.5, 0.5, 2.4), (0.5, 0.5, 0), fov=39, width=width, height=height), shapes)
+    return Scene(Camera((0.5, 0.5, 2.4), (0.5, 0.5, 0), fov=39), shapes)

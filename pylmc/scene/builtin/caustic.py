@@ -6,15 +6,21 @@ with smooth normals, and ends on a small emitter.
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import trimesh
 
 from pylmc.scene import Camera, Diffuse, RoughDielectric, Scene, Shape
 
 from ._meshes import rectangle
+from ._parameter import Parameter
 
 
-def build(alpha: float = 0.05, ior: float = 1.5, light: float = 0.3, width: int = 256, height: int = 256) -> Scene:
-    """``alpha``: GGX roughness of the glass; ``ior``: its index; ``light``: side of the panel (the ball's radius is 0.5)."""
+def build(
+    alpha: Annotated[float, Parameter("GGX roughness of the glass", 1.0)] = 0.05,
+    ior: Annotated[float, Parameter("the glass's index of refraction", 10.0)] = 1.5,
+    light: Annotated[float, Parameter("side of the panel, the ball's radius being 0.5", 0.95)] = 0.3,
+) -> Scene:
     ball = trimesh.creation.icosphere(subdivisions=4, radius=0.5)
     ball.apply_translation([0, 0.7, 0])
     shapes = [
@@ -28,5 +34,4 @@ def build(alpha: float = 0.05, ior: float = 1.5, light: float = 0.3, width: int 
             name="panel",
         ),
     ]
-    camera = Camera((0.9, 1.5, 3.2), (0.1, 0.45, 0), fov=38, width=width, height=height)
-    return Scene(camera, shapes)
+    return Scene(Camera((0.9, 1.5, 3.2), (0.1, 0.45, 0), fov=38), shapes)

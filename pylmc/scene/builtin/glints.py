@@ -6,15 +6,20 @@ a piece of surface that covers next to nothing of any direction's view.
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 
 from pylmc.scene import Camera, Diffuse, PointLight, RoughConductor, Scene, Shape
 
 from ._meshes import box, rectangle
+from ._parameter import Parameter
 
 
-def build(size: float = 0.06, alpha: float = 0.01, width: int = 256, height: int = 256) -> Scene:
-    """``size``: side of the mirror, the walls' being 2; ``alpha``: its GGX roughness."""
+def build(
+    size: Annotated[float, Parameter("side of the mirror, the walls' being 2", 0.5)] = 0.06,
+    alpha: Annotated[float, Parameter("GGX roughness of the mirror", 1.0)] = 0.01,
+) -> Scene:
     lamp, mirror, spot = np.array([0.3, 1.5, 0.9]), np.array([0.45, 0.7, 0.2]), np.array([-1.0, 1.0, 0.1])
     to_lamp, to_spot = (v / np.linalg.norm(v) for v in (lamp - mirror, spot - mirror))
     normal = (to_lamp + to_spot) / np.linalg.norm(to_lamp + to_spot)
@@ -30,5 +35,5 @@ def build(size: float = 0.06, alpha: float = 0.01, width: int = 256, height: int
         # a card beside the lamp that keeps its own light off the left wall, where the spot falls
         Shape(box((0.1, 1.5, 0.9), (0.01, 0.36, 0.36)), Diffuse(0.02), name="shade"),
     ]
-    camera = Camera((1.9, 1.2, 2.3), (-0.35, 0.7, -0.3), fov=42, width=width, height=height)
+    camera = Camera((1.9, 1.2, 2.3), (-0.35, 0.7, -0.3), fov=42)
     return Scene(camera, shapes, [PointLight(tuple(lamp), 1.0)])

@@ -7,13 +7,18 @@ both to the plate's narrow lobe and to the hole.
 
 from __future__ import annotations
 
+from typing import Annotated
+
 from pylmc.scene import Camera, Diffuse, PointLight, RoughConductor, Scene, Shape
 
 from ._meshes import box, rectangle, wall_with_hole
+from ._parameter import Parameter
 
 
-def build(hole: float = 0.05, alpha: float = 0.02, width: int = 256, height: int = 256) -> Scene:
-    """``hole``: its side as a part of the wall's (0 to 0.9); ``alpha``: GGX roughness of the plate."""
+def build(
+    hole: Annotated[float, Parameter("side of the hole, the wall's being 1", 0.9)] = 0.05,
+    alpha: Annotated[float, Parameter("GGX roughness of the plate", 1.0)] = 0.02,
+) -> Scene:
     white, red, blue = Diffuse(0.75), Diffuse((0.75, 0.25, 0.2)), Diffuse((0.25, 0.4, 0.75))
     shapes = [
         Shape(rectangle((-1, 0, 0), (0, 0, 1), (2.5, 0, 0)), white, name="floor"),
@@ -28,5 +33,5 @@ def build(hole: float = 0.05, alpha: float = 0.02, width: int = 256, height: int
         Shape(box((0.4, 0.2, 0.78), (0.2, 0.4, 0.2), 25), Diffuse(0.6), name="pillar"),
     ]
     # beside the spot that the plate throws on the far wall, which lights what the camera sees
-    camera = Camera((1.44, 0.6, 0.1), (0.3, 0.3, 0.68), fov=58, width=width, height=height)
+    camera = Camera((1.44, 0.6, 0.1), (0.3, 0.3, 0.68), fov=58)
     return Scene(camera, shapes, [PointLight((-0.8, 0.82, 0.42), 2.0)])

@@ -15,13 +15,12 @@ from typing import Any
 import numpy as np
 
 from ...errors import PylmcError
-from .. import Camera, Scene, Shape
-from ..framing import frame, light_quads
-from ..lights import Light
-from ..shape import mean_normals
+from ..camera import Camera
+from ..shape import Shape, mean_normals
 from .gltf_data import GltfData
 from .gltf_lights import gltf_light
 from .gltf_materials import GltfMaterials
+from .importer import Content, Importer
 
 KNOWN_EXTENSIONS = {
     "KHR_lights_punctual",
@@ -32,39 +31,31 @@ KNOWN_EXTENSIONS = {
 TRIANGLES, STRIP, FAN = 4, 5, 6
 
 
-def load_gltf(
-    path: str | Path, *, auto_camera: bool = False, auto_light: bool = False, width: int = 256, height: int = 256
-) -> Scene:
-    """The scene in a glTF 2.0 or GLB file, on a film of ``width`` × ``height`` pixels.
+class Gltf(Importer):
+    """glTF 2.0, as JSON with files beside it or as one binary file."""
 
-    ``auto_camera`` frames everything if the file has no perspective camera, ``auto_light`` lights it if the file has
-    no light and nothing that emits. Raises PylmcError, naming the file and what to do, where the file is
-    unreadable, malformed, asks for an unsupported extension, or lacks a camera or light that was not asked for.
-    """
-    path = Path(path)
-    try:
-        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused by name where it ends up
-            return _Importer(GltfData(path)).scene(auto_camera, auto_light, width, height)
-    except PylmcError as error:
-        raise PylmcError(f"{path}: {error}") from None
-    except OSError as error:
-        raise PylmcError(f"{path}: cannot be read ({error.strerror or error}); check the path") from None
-    except (
-        KeyError,
-        IndexError,
-        TypeError,
-        ValueError,
-        AttributeError,
-        OverflowError,
-        RecursionError,
-        MemoryError,
-        struct.error,
-    ) as error:
-        detail = f"{type(error).__name__}: {error}"
-        raise PylmcError(f"{path}: malformed glTF ({detail}); validate or export the file again") from None
+    suffixes = (".gltf", ".glb")
+
+    def read(self, path: Path) -> Content:
+        try:
+            with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused by name where it ends up
+                return _Document(GltfData(path)).content()
+        except (
+            KeyError,
+            IndexError,
+            TypeError,
+            ValueError,
+            AttributeError,
+            OverflowError,
+            RecursionError,
+            MemoryError,
+            struct.error,
+        ) as error:
+            detail = f"{type(error).__name__}: {error}"
+            raise PylmcError(f"malformed glTF ({detail}); validate or export the file again") from None
 
 
-class _Importer:
+class _Document:
     """One document on its way to a scene."""
 
     def __init__(self, data: GltfData) -> None:
@@ -72,26 +63,16 @@ class _Importer:
         unknown = sorted(set(data.items("extensionsRequired")) - KNOWN_EXTENSIONS)
         if unknown:
             raise PylmcError(f"requires {', '.join(unknown)}, which is not supported; export the file without it")
-        self.shapes: list[Shape] = []
-        self.lights: list[Light] = []
+        self.found = Content()
         self.cameras: list[tuple[dict[str, Any], np.ndarray]] = []
         self.materials = GltfMaterials(data)
 
-    def scene(self, auto_camera: bool, auto_light: bool, width: int, height: int) -> Scene:
+    def content(self) -> Content:
+        """All that the document's scene holds."""
         self._visit_all(self._roots())
-        if not self.shapes:
-            raise PylmcError("no triangles in the scene; export the meshes with it")
-        if self.cameras:
-            camera = self._camera(*self.cameras[0], width, height)
-        elif auto_camera:
-            camera = frame(self.shapes, width, height)
-        else:
-            raise PylmcError("has no perspective camera; add one, or use --auto-camera (auto_camera=True)")
-        if not self.lights and not any(shape.emission for shape in self.shapes):
-            if not auto_light:
-                raise PylmcError("has no light; add a point light, or use --auto-light (auto_light=True)")
-            self.shapes += light_quads(self.shapes, camera)
-        return Scene(camera, self.shapes, self.lights)
+        if self.found.shapes:  # a camera's target is set among them
+            self.found.cameras = [self._camera(*camera) for camera in self.cameras[:1]]
+        return self.found
 
     def _roots(self) -> list[Any]:
         scenes = self.data.items("scenes")
@@ -134,13 +115,14 @@ class _Importer:
             self._light(punctual["light"], transform)
         return transform
 
-    def _camera(self, perspective: dict[str, Any], transform: np.ndarray, width: int, height: int) -> Camera:
+    def _camera(self, perspective: dict[str, Any], transform: np.ndarray) -> Camera:
         """glTF cameras look along their node's -z, with +y up."""
         origin, forward, up = transform[:3, 3], -transform[:3, 2], transform[:3, 1]
         forward = forward / max(float(np.linalg.norm(forward)), np.finfo(float).tiny)
-        low, high = _bounds(self.shapes)
+        corners = np.concatenate([shape.bounds() for shape in self.found.shapes])
+        low, high = corners.min(axis=0), corners.max(axis=0)
         reach = max(float(np.linalg.norm((low + high) / 2 - origin)), float(np.linalg.norm(high - low)), 1e-9)
-        return Camera(origin, origin + reach * forward, up, math.degrees(perspective["yfov"]), width, height)
+        return Camera(origin, origin + reach * forward, up, math.degrees(perspective["yfov"]))
 
     def _light(self, index: Any, transform: np.ndarray) -> None:
         lights = self.data.document.get("extensions", {}).get("KHR_lights_punctual", {}).get("lights", [])
@@ -148,7 +130,7 @@ class _Importer:
             raise PylmcError(f"a node names light {index!r}, which is not there; export the file again")
         light = gltf_light(lights[index], transform)
         if light is not None:
-            self.lights.append(light)
+            self.found.lights.append(light)
 
     def _primitive(self, primitive: dict[str, Any], transform: np.ndarray, name: str) -> None:
         attributes = primitive["attributes"]
@@ -179,7 +161,7 @@ class _Importer:
 
         material, emission, lookup = self.materials.read(primitive.get("material"))
         uv = None if lookup is None else self._texture_coordinates(attributes, lookup, len(vertices), name)
-        self.shapes.append(Shape((vertices, faces), material, emission, name, normals=normals, uv=uv))
+        self.found.shapes.append(Shape((vertices, faces), material, emission, name, normals=normals, uv=uv))
 
     def _texture_coordinates(self, attributes: dict, lookup: dict, count: int, name: str) -> np.ndarray:
         """Coordinates (vertices, 2) with v upwards; glTF counts it downwards."""
@@ -195,11 +177,6 @@ class _Importer:
         uv = uv @ np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
         uv = uv + np.asarray(transform.get("offset", (0, 0)), dtype=np.float64)
         return np.column_stack([uv[:, 0], 1.0 - uv[:, 1]])
-
-
-def _bounds(shapes: list[Shape]) -> tuple[np.ndarray, np.ndarray]:
-    corners = np.concatenate([shape.bounds() for shape in shapes])
-    return corners.min(axis=0), corners.max(axis=0)
 
 
 def _triangles(order: np.ndarray, mode: int) -> np.ndarray:

@@ -228,6 +228,7 @@ def test_scenes_lists_every_built_in_scene(capsys: pytest.CaptureFixture[str]) -
     for name in ("box", "caustic", "glints", "keyhole"):
         assert any(line.split(":")[0] == name for line in out.splitlines())
     assert "hole=" in out and "alpha=" in out
+    assert "alpha: GGX roughness of the plate (greater than 0, at most 1)" in out and ".glb, .gltf" in out
 
 
 def test_devices_lists_the_default(capsys: pytest.CaptureFixture[str]) -> None:

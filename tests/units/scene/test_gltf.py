@@ -13,7 +13,7 @@ from PIL import Image
 from pylmc.errors import PylmcError
 from pylmc.scene import Texture
 from pylmc.scene.framing import _unseen
-from pylmc.scene.importers import load_gltf
+from pylmc.scene.loading import load
 
 SHARED = Path(__file__).resolve().parents[3].parent / "shared" / "scenes" / "gltf"
 SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], np.float32)
@@ -90,7 +90,7 @@ class Builder:
 
 
 def first(builder, tmp_path, **options):
-    return load_gltf(builder.glb(tmp_path / "a.glb"), **(options or AUTO)).shapes[0]
+    return load(builder.glb(tmp_path / "a.glb"), **(options or AUTO)).shapes[0]
 
 
 def area_vector(shape):
@@ -102,7 +102,7 @@ def area_vector(shape):
 @pytest.mark.parametrize("kind", ["gltf", "glb"])
 def test_containers_and_indexing(tmp_path, kind, indexed):
     builder = Builder().square(indexed)
-    scene = load_gltf(getattr(builder, kind)(tmp_path / f"a.{kind}"), **AUTO, width=64, height=32)
+    scene = load(getattr(builder, kind)(tmp_path / f"a.{kind}"), **AUTO, width=64, height=32)
     assert (scene.camera.width, scene.camera.height) == (64, 32)
     shape, *lights = scene.shapes
     np.testing.assert_allclose(area_vector(shape), [0, 0, 1])
@@ -122,7 +122,7 @@ def test_strips_fans_and_lines(tmp_path):
             ]
         }
     ]
-    scene = load_gltf(builder.glb(tmp_path / "a.glb"), **AUTO)
+    scene = load(builder.glb(tmp_path / "a.glb"), **AUTO)
     assert len(scene.shapes) == 4
     for shape in scene.shapes[:2]:
         np.testing.assert_allclose(area_vector(shape), [0, 0, 1])
@@ -152,7 +152,7 @@ def test_negative_scale_flips_the_winding(tmp_path):
 def test_only_the_chosen_scene_is_read(tmp_path):
     scenes = [{"nodes": [0]}, {"nodes": [1, 2]}]
     builder = Builder(nodes=[{"mesh": 0}, {"mesh": 0}, {"mesh": 0}], scenes=scenes, scene=1)
-    assert len(load_gltf(builder.square().glb(tmp_path / "a.glb"), **AUTO).shapes) == 4
+    assert len(load(builder.square().glb(tmp_path / "a.glb"), **AUTO).shapes) == 4
 
 
 def test_quantised_interleaved_and_sparse_accessors(tmp_path):
@@ -190,7 +190,7 @@ def test_material_factors_emission_and_averaged_textures(tmp_path):
         "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}},
     }
     builder = Builder(materials=[material]).square(material=0).image(grey)
-    shape = load_gltf(builder.glb(tmp_path / "a.glb"), auto_camera=True).shapes[0]  # its emission is the light
+    shape = load(builder.glb(tmp_path / "a.glb"), auto_camera=True).shapes[0]  # its emission is the light
     assert shape.material.base_color == pytest.approx((0.2, 0.4, 0.6))
     assert shape.material.metallic == pytest.approx(0.5 * 51 / 255)
     assert shape.material.roughness == pytest.approx(128 / 255)
@@ -257,7 +257,7 @@ def test_camera_and_point_light(tmp_path):
     cameras = [{"type": "orthographic"}, {"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}]
     light = {"type": "point", "color": [1, 0.5, 0.25], "intensity": 8}
     extensions = {"KHR_lights_punctual": {"lights": [light]}}
-    scene = load_gltf(Builder(nodes=nodes, cameras=cameras, extensions=extensions).square().glb(tmp_path / "a.glb"))
+    scene = load(Builder(nodes=nodes, cameras=cameras, extensions=extensions).square().glb(tmp_path / "a.glb"))
     np.testing.assert_allclose(scene.camera.origin, [1, 2, 3])
     np.testing.assert_allclose(scene.camera.axes()[2], [-1, 0, 0], atol=1e-12)
     np.testing.assert_allclose(scene.camera.axes()[1], [0, 1, 0], atol=1e-12)
@@ -270,13 +270,13 @@ def test_camera_and_point_light(tmp_path):
 def test_what_is_missing_is_named_with_its_remedy(tmp_path):
     path = Builder().square().glb(tmp_path / "bare.glb")
     with pytest.raises(PylmcError, match=r"bare\.glb.*--auto-camera"):
-        load_gltf(path, auto_light=True)
+        load(path, auto_light=True)
     with pytest.raises(PylmcError, match=r"bare\.glb.*--auto-light"):
-        load_gltf(path, auto_camera=True)
+        load(path, auto_camera=True)
     lights = {"KHR_lights_punctual": {"lights": [{"type": "area"}]}}
     nodes = [{"mesh": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}}]
     with pytest.raises(PylmcError, match=r"lamp\.glb.*'area', not point, spot or directional"):
-        load_gltf(Builder(nodes=nodes, extensions=lights).square().glb(tmp_path / "lamp.glb"), auto_camera=True)
+        load(Builder(nodes=nodes, extensions=lights).square().glb(tmp_path / "lamp.glb"), auto_camera=True)
 
 
 def test_spot_and_directional_lights_shine_along_the_nodes_axis(tmp_path):
@@ -289,7 +289,7 @@ def test_spot_and_directional_lights_shine_along_the_nodes_axis(tmp_path):
         *({**turned, "extensions": {"KHR_lights_punctual": {"light": i}}} for i in range(3)),
     ]
     path = Builder(nodes=nodes, extensions={"KHR_lights_punctual": {"lights": kinds}}).square().glb(tmp_path / "lamps.glb")
-    narrow, plain, sun = load_gltf(path, auto_camera=True).lights
+    narrow, plain, sun = load(path, auto_camera=True).lights
     for light in (narrow, plain, sun):
         np.testing.assert_allclose(light.direction, [-1, 0, 0], atol=1e-12)
     np.testing.assert_allclose(narrow.position, [1, 2, 3])
@@ -339,7 +339,7 @@ def test_malformed_documents(tmp_path, path, value):
         place = place[key]
     place[path[-1]] = value
     with pytest.raises(PylmcError, match=r"a\.glb: ") as caught:
-        load_gltf(builder.glb(tmp_path / "a.glb"), **AUTO)
+        load(builder.glb(tmp_path / "a.glb"), **AUTO)
     assert "\n" not in str(caught.value)
 
 
@@ -347,7 +347,7 @@ def test_malformed_documents(tmp_path, path, value):
 def test_files_that_are_not_gltf(tmp_path, content):
     (tmp_path / "a.gltf").write_bytes(content)
     with pytest.raises(PylmcError, match=r"a\.gltf: "):
-        load_gltf(tmp_path / "a.gltf", **AUTO)
+        load(tmp_path / "a.gltf", **AUTO)
 
 
 def test_every_truncation_is_noticed(tmp_path):
@@ -356,31 +356,31 @@ def test_every_truncation_is_noticed(tmp_path):
     for size in range(0, len(whole), 37):
         (tmp_path / "cut.glb").write_bytes(whole[:size])
         with pytest.raises(PylmcError, match=r"cut\.glb: "):
-            load_gltf(tmp_path / "cut.glb", **AUTO)
+            load(tmp_path / "cut.glb", **AUTO)
 
 
 def test_missing_and_broken_neighbours(tmp_path):
     with pytest.raises(PylmcError, match=r"none\.glb: cannot be read"):
-        load_gltf(tmp_path / "none.glb")
-    with pytest.raises(PylmcError, match="cannot be read"):
-        load_gltf(tmp_path)
+        load(tmp_path / "none.glb")
+    with pytest.raises(PylmcError, match="is a folder"):
+        load(tmp_path)
     builder = Builder().square()
     document = {**builder.document, "buffers": [{"byteLength": 1000, "uri": "data%20one.bin"}]}
     (tmp_path / "a.gltf").write_text(json.dumps(document))
     with pytest.raises(PylmcError, match=r"a\.gltf: its buffer 'data%20one\.bin' cannot be read"):
-        load_gltf(tmp_path / "a.gltf", **AUTO)
+        load(tmp_path / "a.gltf", **AUTO)
     (tmp_path / "data one.bin").write_bytes(builder.binary[:20])
     with pytest.raises(PylmcError, match="20 of 1000 bytes"):
-        load_gltf(tmp_path / "a.gltf", **AUTO)
+        load(tmp_path / "a.gltf", **AUTO)
     document["buffers"][0]["byteLength"] = len(builder.binary)
     (tmp_path / "a.gltf").write_text(json.dumps(document))
     (tmp_path / "data one.bin").write_bytes(builder.binary)
-    assert len(load_gltf(tmp_path / "a.gltf", **AUTO).shapes) == 3
+    assert len(load(tmp_path / "a.gltf", **AUTO).shapes) == 3
 
     builder = Builder(materials=[{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]).square(material=0)
     builder.image(np.zeros((4, 4, 3))).document["images"] = [{"bufferView": builder.view(b"no picture"), "name": "sky"}]
     with pytest.raises(PylmcError, match="texture 'sky' cannot be decoded"):
-        load_gltf(builder.glb(tmp_path / "b.glb"), **AUTO)
+        load(builder.glb(tmp_path / "b.glb"), **AUTO)
 
 
 def check_framed_and_lit(scene):
@@ -414,7 +414,7 @@ def check_framed_and_lit(scene):
 def test_automatic_camera_and_light(tmp_path, size):
     nodes = [{"mesh": 0, "scale": [1e-3, 5e-3, 1], "rotation": [0.6, 0, 0, 0.8]}]
     path = Builder(nodes=nodes).square().glb(tmp_path / "a.glb")
-    check_framed_and_lit(load_gltf(path, **AUTO, width=size[0], height=size[1]))
+    check_framed_and_lit(load(path, **AUTO, width=size[0], height=size[1]))
 
 
 def test_automatic_light_stays_inside_a_room(tmp_path):
@@ -426,7 +426,7 @@ def test_automatic_light_stays_inside_a_room(tmp_path):
         {"camera": 0, "translation": [0.5, 0.5, 2]},
     ]
     cameras = [{"type": "perspective", "perspective": {"yfov": 1.0}}]
-    scene = load_gltf(Builder(nodes=nodes, cameras=cameras).square().glb(tmp_path / "a.glb"), auto_light=True)
+    scene = load(Builder(nodes=nodes, cameras=cameras).square().glb(tmp_path / "a.glb"), auto_light=True)
     for light in scene.shapes[-2:]:
         quad = np.asarray(light.mesh.vertices)
         assert _unseen(scene.camera, quad) and quad[:, 2].max() < 4
@@ -436,7 +436,7 @@ def test_automatic_light_stays_inside_a_room(tmp_path):
 def test_scenes_by_others(name):
     if not (SHARED / name).is_file():
         pytest.skip(f"skipped: {SHARED / name} is not there")
-    scene = load_gltf(SHARED / name, **AUTO, width=320, height=240)
+    scene = load(SHARED / name, **AUTO, width=320, height=240)
     check_framed_and_lit(scene)
     textured = [shape for shape in scene.shapes if shape.textured]
     assert textured and all(shape.uv is not None for shape in textured)

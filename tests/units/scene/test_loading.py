@@ -1,5 +1,6 @@
 """Scenes by name and file: parameters, the film's size, and what is refused."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -9,15 +10,19 @@ import trimesh
 import pylmc
 from pylmc import PylmcError
 from pylmc.sampling.compiled import compile_scene
-from pylmc.scene.loading import BUILT_IN, parameters
+from pylmc.scene import Diffuse, PointLight, Scene, Shape, builtin
+from pylmc.scene.importers import Content, Importer, importers
 
 
-@pytest.mark.parametrize("name", BUILT_IN)
+@pytest.mark.parametrize("name", builtin.NAMES)
 def test_built_in_scenes(name: str) -> None:
     scene = pylmc.load(name)
     assert (scene.camera.width, scene.camera.height) == (256, 256)
-    for key, default in parameters(name).items():
-        assert isinstance(pylmc.load(name, **{key: default / 2}), pylmc.Scene), key
+    assert builtin.summary(name).endswith(".")
+    for key, (default, parameter) in builtin.parameters(name).items():
+        assert parameter.help, "whoever asks for the scenes is told what this is"
+        for value in (default / 2, parameter.greatest):
+            assert isinstance(pylmc.load(name, **{key: value}), pylmc.Scene), key
         for bad in (0, -1, float("nan"), float("inf"), 1e9, "wide", [1], None):
             with pytest.raises(PylmcError, match=key):
                 pylmc.load(name, **{key: bad})
@@ -80,9 +85,54 @@ def test_files_refused(bar: Path, tmp_path: Path) -> None:
         pylmc.load(tmp_path / "gone.glb")
     other = tmp_path / "model.obj"
     other.write_text("v 0 0 0")
-    with pytest.raises(PylmcError, match=r"unknown kind of scene file '\.obj'"):
+    with pytest.raises(PylmcError, match=r"unknown kind of scene file '\.obj'; pylmc reads \.glb, \.gltf"):
         pylmc.load(other)
     folder = tmp_path / "folder.glb"
     folder.mkdir()
-    with pytest.raises(PylmcError, match="folder"):
+    with pytest.raises(PylmcError, match=r"folder\.glb: is a folder"):
         pylmc.load(folder)
+
+
+SQUARE = ([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+
+
+@pytest.fixture
+def text_importer() -> Iterator[None]:
+    """A format of the test's own, registered as long as the test runs: each line of the file names a square."""
+    before = Importer.kinds
+
+    class Text(Importer):
+        suffixes = (".squares",)
+
+        def read(self, path: Path) -> Content:
+            names = path.read_text(encoding="utf-8").split()
+            if "no" in names:
+                raise PylmcError("holds no squares; write yes")
+            return Content([Shape(SQUARE, Diffuse(0.5), name=name) for name in names], [PointLight((0, 0, 2), 1)])
+
+    yield
+    Importer.kinds = before
+
+
+@pytest.mark.usefixtures("text_importer")
+def test_an_importer_is_known_by_being_defined(tmp_path: Path) -> None:
+    path = tmp_path / "a.SQUARES"
+    path.write_text("left right", encoding="utf-8")
+    scene = pylmc.load(path, auto_camera=True, width=20)
+    assert isinstance(scene, Scene) and [shape.name for shape in scene.shapes] == ["left", "right"]
+    assert (scene.camera.width, scene.camera.height) == (20, 256)
+    with pytest.raises(PylmcError, match=r"a\.SQUARES: has no perspective camera; .*--auto-camera"):
+        pylmc.load(path)
+    path.write_text("no", encoding="utf-8")
+    with pytest.raises(PylmcError, match=r"a\.SQUARES: holds no squares"):
+        pylmc.load(path)
+    with pytest.raises(PylmcError, match=r"gone\.squares: cannot be read \(No such file"):
+        pylmc.load(tmp_path / "gone.squares")
+    (tmp_path / "b.obj").write_text("", encoding="utf-8")
+    with pytest.raises(PylmcError, match=r"pylmc reads \.glb, \.gltf, \.squares"):
+        pylmc.load(tmp_path / "b.obj")
+
+
+def test_every_suffix_has_one_importer() -> None:
+    suffixes = [suffix for kind in Importer.kinds for suffix in kind.suffixes]
+    assert sorted(suffixes) == sorted(importers()) and all(suffix == suffix.lower() for suffix in suffixes)
