@@ -13,11 +13,13 @@ from . import caches
 
 if TYPE_CHECKING:
     from .device.arrays import Film as Film
+    from .device.arrays import FilmSlot as FilmSlot
     from .device.raytracer import RayTracer as RayTracer
     from .errors import PylmcError as PylmcError
     from .errors import PylmcWarning as PylmcWarning
     from .inspection import info as info
     from .lobes.base import Lobe as Lobe
+    from .picture.estimators import Estimator as Estimator
     from .rendering import Render as Render
     from .rendering import render as render
     from .sampling.chains import State as State
@@ -40,9 +42,10 @@ _HOME = {
     "errors": ("PylmcError", "PylmcWarning"),
     "inspection": ("info",),
     "scene.loading": ("load",),
-    "device.arrays": ("Film",),
+    "device.arrays": ("Film", "FilmSlot"),
     "device.raytracer": ("RayTracer",),
     "lobes.base": ("Lobe",),
+    "picture.estimators": ("Estimator",),
     "rendering": ("Render", "render"),
     "sampling.chains": ("State",),
     "sampling.groups": ("Group",),
