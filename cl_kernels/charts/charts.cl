@@ -135,7 +135,7 @@ bool chart_delta(const Chart *chart, real3 x, real3 v, real2 omega, real2 *delta
 #endif
     } else {
         real cosine = dot(chart->normal, v), height = dot(chart->anchor - x, chart->normal);
-        if (!(cosine * height > 0.0)) return false;
+        if (!is_positive(cosine * height)) return false;
         real t = height / cosine;
         offset = x + t * v - chart->anchor;
         *log_jacobian = log(fabs(cosine) / (t * t));

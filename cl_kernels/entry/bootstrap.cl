@@ -24,7 +24,7 @@ PATH_KERNEL void weigh_candidates(SCENE_PARAMETERS, uint seed, uint group, int l
     real log_p;
     real2 position = (real2)(NAN);
     log_weights[index] = log_path_weight(&scene, seed, group, first + index, length, ending, &path, &radiance, &log_p);
-    if (log_weights[index] > LOG_ZERO) film_position(&scene, path.vertex[1].v, &position);
+    if (is_log_of_some(log_weights[index])) film_position(&scene, path.vertex[1].v, &position);
     vstore2(position, index, positions);
 }
 
@@ -38,8 +38,8 @@ PATH_KERNEL void start_chains(SCENE_PARAMETERS, uint seed, uint chains, __global
     ChainStart start = starts[index];
     __global ChainState *state = &states[index];
     real log_p;
-    bool found = log_path_weight(&scene, seed, start.group, start.number, start.length, start.ending, &path, &radiance,
-                                 &log_p) > LOG_ZERO;
+    bool found = is_log_of_some(
+        log_path_weight(&scene, seed, start.group, start.number, start.length, start.ending, &path, &radiance, &log_p));
     // A compiler may round differently here than in weigh_candidates, so that a path on the edge of existence is not found
     // again: its chain starts dark, and leaves by its first large step.
     path.length = start.length;

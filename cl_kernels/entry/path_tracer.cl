@@ -74,7 +74,7 @@ real3 trace_path(Scene *scene, real3 v, int max_depth, Rng *rng) {
         density = lobe_density(scene, vertex, -v, wo);
         throughput *= lobe_value(scene, vertex, -v, wo, &scale);
         throughput *= scale / density;
-        if (!(max_component(throughput) > 0.0) || !isfinite(max_component(throughput))) break;
+        if (!is_positive(max_component(throughput)) || !isfinite(max_component(throughput))) break;
         if (depth >= ROULETTE_FROM) {
             real survive = fmin(0.95, max_component(throughput));
             if (rng_uniform(rng) >= survive) break;

@@ -36,7 +36,7 @@ void markov_step(Scene *scene, const Path *x, real log_i, real *log_p, float p_l
     step->log_reverse = NAN;
     step->drawn = NAN;
     step->radiance.log_i = LOG_ZERO;
-    if (rng_uniform(rng) < p_large || !(log_i > LOG_ZERO)) {
+    if (rng_uniform(rng) < p_large || !is_log_of_some(log_i)) {
         if (sample_path(scene, x->length, x->ending, rng, y, &step->radiance)) {
             if (!is_known(*log_p)) *log_p = log_independent_density(scene, x);
             step->log_forward = log_independent_density(scene, y);

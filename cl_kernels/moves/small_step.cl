@@ -36,7 +36,7 @@ bool displaced_path(Scene *scene, const Path *x, int m, const real *delta, const
         *log_jacobian += jacobian;
         if (j == 1) {
             // cheap refusals first: off the film, nothing needs tracing
-            if (!(camera_importance(scene, v) > 0.0)) return false;
+            if (!is_positive(camera_importance(scene, v))) return false;
             p = *p_new = rotate_minimal(p, x->vertex[1].v, v);
         }
 #if HAS_DEVIATION
@@ -91,7 +91,7 @@ int propose_small(Scene *scene, const Path *x, int m, real h, const real *xi, Pa
     real log_jacobian, log_jacobian_back = 0.0;
     if (!displaced_path(scene, x, m, delta, charts, p, &p_new, y, &log_jacobian)) return STEP_NO_PATH;
     *radiance = integrand(scene, y);
-    if (radiance->log_i == LOG_ZERO) return STEP_NO_PATH;
+    if (is_minus_infinity(radiance->log_i)) return STEP_NO_PATH;
     if (m < y->length) {
         if (!visible(scene, &y->vertex[m], &y->vertex[m + 1])) return STEP_NO_PATH;
     }

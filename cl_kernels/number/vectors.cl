@@ -2,7 +2,7 @@
 #ifndef PYLMC_VECTORS
 #define PYLMC_VECTORS
 
-#include "number/real.cl"
+#include "number/finite.cl"
 
 // LUMINANCE_RED, _GREEN and _BLUE come from pylmc/colour.py.
 

@@ -4,13 +4,13 @@
 #ifndef PYLMC_FILM
 #define PYLMC_FILM
 
-#include "number/real.cl"
+#include "number/finite.cl"
 
 #define FILM_SCALE 16777216.0f  // 2^24 to the unit: values near 1 keep all of a float's digits
 
-void film_add_channel(__global volatile uint *word, float value) {
-    if (!(value > 0.0f)) return;  // nothing, or NaN, which must not reach the film
-    float scaled = fmin(value * FILM_SCALE, 1.8e19f) + 0.5f;
+void film_add_channel(__global volatile uint *word, real value) {
+    if (!is_positive(value)) return;  // nothing, or NaN, which must not reach the film
+    float scaled = fmin((float)value * FILM_SCALE, 1.8e19f) + 0.5f;
     uint high = (uint)(scaled * 2.3283064365386963e-10f);  // 2^-32
     uint low = (uint)(scaled - (float)high * 4294967296.0f);
     if (low) {
@@ -21,9 +21,9 @@ void film_add_channel(__global volatile uint *word, float value) {
 }
 
 void film_add(__global volatile uint *film, size_t pixel, real3 value) {
-    film_add_channel(film + 6 * pixel, (float)value.x);
-    film_add_channel(film + 6 * pixel + 2, (float)value.y);
-    film_add_channel(film + 6 * pixel + 4, (float)value.z);
+    film_add_channel(film + 6 * pixel, value.x);
+    film_add_channel(film + 6 * pixel + 2, value.y);
+    film_add_channel(film + 6 * pixel + 4, value.z);
 }
 
 #endif

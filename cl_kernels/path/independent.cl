@@ -14,7 +14,7 @@ bool draw_from_camera(Scene *scene, Path *path, int k, Rng *rng) {
         real3 direction;
         if (i == 1) {
             direction = sample_camera(scene, rng);
-            if (!(camera_importance(scene, direction) > 0.0)) return false;
+            if (!is_positive(camera_importance(scene, direction))) return false;
         } else {
             Vertex *from = &path->vertex[i - 1];
             if (!lobe_sample(scene, from, -from->v, rng, &direction)) return false;
@@ -69,14 +69,14 @@ bool sample_path(Scene *scene, int length, int ending, Rng *rng, Path *path, Rad
         if (!draw_from_light(scene, path, k, rng)) return false;
         Vertex *near = &path->vertex[k], *far = &path->vertex[k + 1];
         if (!join_nodes(near, far)) return false;
-        if (k == 0 && !(camera_importance(scene, far->v) > 0.0)) return false;
+        if (k == 0 && !is_positive(camera_importance(scene, far->v))) return false;
         settle_lobes(scene, path);
         *radiance = integrand(scene, path);
-        return radiance->log_i != LOG_ZERO && visible(scene, near, far);
+        return !is_minus_infinity(radiance->log_i) && visible(scene, near, far);
     }
     settle_lobes(scene, path);
     *radiance = integrand(scene, path);
-    return radiance->log_i != LOG_ZERO;
+    return !is_minus_infinity(radiance->log_i);
 }
 
 // log p_ind of any path.
@@ -119,7 +119,7 @@ real log_independent_density(const Scene *scene, const Path *path) {
             from_camera += log(k == 1 ? camera_density(scene, direction) : lobe_density(scene, from, -from->v, direction));
         }
         real term = from_camera + from_light[k];
-        if (term > LOG_ZERO) {
+        if (is_log_of_some(term)) {
             real high = fmax(log_sum, term), low = fmin(log_sum, term);
             log_sum = high + log(1.0 + exp(low - high));
         }

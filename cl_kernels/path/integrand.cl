@@ -16,6 +16,8 @@
 #include "lobes/lobes.cl"
 
 #define LOG_ZERO -INFINITY
+// Whether x is the logarithm of something above zero; false of NaN.
+bool is_log_of_some(real x) { return !isnan(x) && !is_minus_infinity(x); }
 
 typedef struct {
     real3 colour;  // C / exp(log_scale)
@@ -31,12 +33,12 @@ Radiance integrand(const Scene *scene, const Path *path) {
     c.log_i = LOG_ZERO;
     c.colour = (real3)(1.0);
     real importance = camera_importance(scene, path->vertex[1].v);
-    if (!(importance > 0.0)) return c;
+    if (!is_positive(importance)) return c;
     real log_scale = log(importance);
     for (int i = 1; i < path->length; i++) {
         real scale;
         c.colour *= lobe_value(scene, &path->vertex[i], -path->vertex[i].v, path->vertex[i + 1].v, &scale);
-        if (!(scale > 0.0)) {
+        if (!is_positive(scale)) {
             if (isnan(scale)) c.log_i = scale;
             return c;
         }

@@ -8,7 +8,7 @@
 bool crosses_portal(__global const Portal *portal, real3 x, real3 v, real t, real3 *point) {
     real3 normal = vec3(portal->normal), to = vec3(portal->centre) - x;
     real cosine = dot(v, normal), height = dot(to, normal);
-    if (!(cosine * height > 0.0)) return false;
+    if (!is_positive(cosine * height)) return false;
     real at = height / cosine;
     if (at >= t) return false;
     real3 offset = at * v - to, axis = vec3(portal->axis);

@@ -104,7 +104,7 @@ bool trace_to_vertex(Scene *scene, const Vertex *from, real3 v, Vertex *vertex) 
 bool join_nodes(const Vertex *near, Vertex *far) {
     if (is_infinite(far)) return true;
     far->t = distance(far->x, near->x);
-    if (!(far->t > 0.0)) return false;
+    if (!is_positive(far->t)) return false;
     far->v = (far->x - near->x) / far->t;
     return true;
 }
