@@ -1,7 +1,7 @@
 """What log, exp, sin, cos and vectors' products of our own (cl_kernels/number) cost against the implementation's.
 
-    python -m bench.numbers                 every usable device, the built-in scenes, chains in exact single precision
-    python -m bench.numbers --rounds 5 --scenes keyhole --integrators lmc bdpt path
+    python -m bench.arithmetic                 every usable device, the built-in scenes, chains in exact single precision
+    python -m bench.arithmetic --rounds 5 --scenes keyhole --integrators lmc bdpt path
 
 The two take turns; a row gives the time of a mutation (sample) with our own over that with built-in ones, and with ours for
 the vectors only: medians over the rounds.
