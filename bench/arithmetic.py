@@ -19,8 +19,9 @@ from unittest.mock import patch
 import numpy as np
 
 import pylmc
-from bench.running import WORKERS, prepared
+from bench.running import prepared
 from pylmc.device import program, survey
+from pylmc.integrators import INTEGRATORS
 from pylmc.sampling.sampler import Sampler
 
 FUNCTIONS = tuple(
@@ -80,7 +81,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rounds", type=int, default=15, help="measurements of each (default 15)")
     parser.add_argument("--scenes", nargs="+", default=SCENES, choices=SCENES)
-    parser.add_argument("--integrators", nargs="+", default=["lmc"], choices=list(WORKERS))
+    parser.add_argument("--integrators", nargs="+", default=["lmc"], choices=list(INTEGRATORS))
     args = parser.parse_args()
     print("| device | scene | integrator | built-in [ns] | own vectors | own |\n|---|---|---|---|---|---|", flush=True)
     for index, info in enumerate(survey.usable()):

@@ -49,7 +49,8 @@ def checkout(commit: str | None) -> Iterator[Path]:
 
 def record(tree: Path, out: Path, quick: bool, only: str) -> dict[str, dict[str, Any]]:
     """Run the recorder on a checkout; what each case counted, with its picture's digest."""
-    command = [sys.executable, str(Path(__file__).with_name("same_record.py")), str(out), "--only", only]
+    # -P: the folder of the script holds names of the standard library (numbers)
+    command = [sys.executable, "-P", str(Path(__file__).with_name("same_record.py")), str(out), "--only", only]
     environment = {**os.environ, "PYTHONPATH": str(tree)}
     subprocess.run([*command, "--quick"] if quick else command, cwd=tree, env=environment, check=True, stdout=sys.stderr)
     return {path.stem: json.loads(path.read_text(encoding="utf-8")) for path in sorted(out.glob("*.json"))}
