@@ -188,7 +188,8 @@ def chain_state(max_depth: int, vertex: np.dtype) -> list[Any]:
 def chain_counters(max_depth: int) -> list[Any]:
     """What a chain counts: entry 0 of ``proposed`` and ``acceptance`` is the large step, entry m the block of m.
 
-    ``trace`` is the film position where a launch left it.
+    ``weight_sum`` and ``weight_square_sum`` are of large steps, in units of the group's b; ``splatted`` is luminance on the
+    film, ``trace`` the film position where a launch left the chain.
     """
     return [
         ("proposed", np.uint32, (max_depth + 1,)),
@@ -197,5 +198,6 @@ def chain_counters(max_depth: int) -> list[Any]:
         ("rays", np.uint32),
         ("weight_sum", np.float64),
         ("weight_square_sum", np.float64),
+        ("splatted", np.float64),
         ("trace", np.float64, (2,)),
     ]

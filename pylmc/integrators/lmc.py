@@ -50,23 +50,24 @@ class LangevinMonteCarlo(Integrator):
         return found
 
     def note(self) -> dict[str, str]:
-        state = self.sampler.state
-        return {"acceptance": f"{state.acceptance.sum() / max(state.proposed.sum(), 1):.2f}"}
+        counted = self.sampler.state.counted
+        return {"acceptance": f"{counted.acceptance.sum() / max(counted.proposed.sum(), 1):.2f}"}
 
     def diagnostics(self) -> dict[str, Any]:
         groups, state = {}, self.sampler.state
+        proposed, acceptance = state.by_group(state.counted.proposed), state.by_group(state.counted.acceptance)
         total_ess, worst_rhat = 0.0, 1.0
         for i, group in enumerate(self.sampler.groups):
-            rates = state.acceptance[i] / np.maximum(state.proposed[i], 1)
+            rates = acceptance[i] / np.maximum(proposed[i], 1)
             kinds = {
                 "large" if m == 0 else f"small, first {m} directions": round(float(rates[m]), 4)
                 for m in range(len(rates))
-                if state.proposed[i, m] > 0
+                if proposed[i, m] > 0
             }
             entry: dict[str, Any] = {
                 "chains": group.chains,
                 "acceptance": kinds,
-                "proposed": int(state.proposed[i].sum()),
+                "proposed": int(proposed[i].sum()),
                 "b": self._radiance(group.b),
                 "b_error": self._radiance(group.b_error),
             }
@@ -82,7 +83,7 @@ class LangevinMonteCarlo(Integrator):
             "groups_without_light": self.sampler.dark_groups,
             "b": self._radiance(b),
             "b_error": self._radiance(error),
-            "acceptance": round(float(state.acceptance.sum() / max(state.proposed.sum(), 1)), 4),
+            "acceptance": round(float(acceptance.sum() / max(proposed.sum(), 1)), 4),
             "ess": round(total_ess, 1),
             "rhat": round(worst_rhat, 4),
             "chains": self.sampler.chains,

@@ -15,83 +15,84 @@ from .states import ChainArrays, chain_arrays, chain_records
 STEPS_PER_LAUNCH = 32  # so that counters of 32 bits do not overflow, and a launch does not hold a display's device for long
 
 
-class Sums(NamedTuple):
-    """The weights I / p_ind of independent paths by group, (groups,) each, the start's and those of large steps."""
+class Info(NamedTuple):
+    """What chains counted, chains first; columns are moves: 0 the large step, m the block of m directions.
 
-    weighed: np.ndarray
+    proposed, acceptance (chains, moves). weight, weight_square (chains,): sums over large steps of I / p_ind and its square.
+    splatted (chains,): luminance added to the film. trace (chains, 2): where on the film (x to the right, y down, 0 to 1)
+    each chain is now. not_finite, rays (chains,): steps whose density was no number; rays traced.
+    """
+
+    proposed: np.ndarray
+    acceptance: np.ndarray
     weight: np.ndarray
     weight_square: np.ndarray
+    splatted: np.ndarray
+    trace: np.ndarray
+    not_finite: np.ndarray
+    rays: np.ndarray
+
+    def __add__(self, later: Any) -> Info:
+        """Of these steps and the ``later`` ones."""
+        return Info(*(ours + theirs for ours, theirs in zip(self, later, strict=True)))._replace(trace=later.trace)
+
+    def since(self, earlier: Info) -> Info:
+        """Of the steps after ``earlier``, which counted the first of them."""
+        return Info(*(ours - theirs for ours, theirs in zip(self, earlier, strict=True)))._replace(trace=self.trace)
 
 
 class State(NamedTuple):
     """A run's chains. ``step`` consumes it: what it holds on the device goes to the State that ``step`` returns.
 
-    chains: on the device; :meth:`arrays` has them as host arrays. groups: who they are, and the start's candidates.
-    counts: what the run's chains have counted by group, (groups, moves) each. sums: see :class:`Sums`. evenness: the
+    chains: on the device; :meth:`arrays` has them as host arrays. counters: on the device, of the launch under way. groups:
+    who the chains are, and the start's candidates. counted: what the chains have counted in all; settled: up to the last
+    whole launch of STEPS_PER_LAUNCH steps, so that sums do not depend on how the steps were asked for. evenness: the
     density's weights over the film, which the start has learnt. steps: how many are done; they name the random numbers,
-    together with ``seed``. dark: names of the groups in which the start found no light. not_finite: steps and candidates
-    whose density was no number. rays: traced by steps.
+    together with ``seed``. origins (chains,): the candidate that each chain started from. dark: names of the groups in
+    which the start found no light. not_finite: candidates whose weight was no number.
     """
 
     chains: Records
+    counters: Records
     groups: tuple[Group, ...]
-    proposed: np.ndarray
-    acceptance: np.ndarray
-    sums: Sums
+    counted: Info
+    settled: Info
     evenness: Floats
     steps: int
     seed: int
+    origins: np.ndarray
     dark: tuple[str, ...]
     not_finite: int
-    rays: int
 
     def arrays(self) -> ChainArrays:
         """The chains as host arrays. Raises PylmcError if the state was consumed."""
         return chain_arrays(self.chains)
 
-
-class Info(NamedTuple):
-    """What the steps of one call counted, chains first; columns are moves: 0 the large step, m the block of m directions.
-
-    proposed, acceptance (chains, moves). weight, weight_square (chains,): sums over large steps of I / p_ind and its square.
-    trace (chains, 2): where on the film (x to the right, y down, 0 to 1) each chain is now.
-    """
-
-    proposed: np.ndarray
-    acceptance: np.ndarray
-    weight: np.ndarray
-    weight_square: np.ndarray
-    trace: np.ndarray
-    not_finite: int
-    rays: int
-
-    def __add__(self, later: Any) -> Info:
-        """Of these steps and the ``later`` ones."""
-        return Info(
-            *(
-                theirs if name == "trace" else ours + theirs
-                for name, ours, theirs in zip(self._fields, self, later, strict=True)
-            )
-        )
+    def by_group(self, values: np.ndarray) -> np.ndarray:
+        """Sums (groups, ...) of values (chains, ...) over each group's chains."""
+        return np.array([values[group.first : group.first + group.chains].sum(axis=0) for group in self.groups])
 
 
 def begun(
-    chains: Records, groups: Sequence[Group], evenness: Floats, seed: int, dark: tuple[str, ...] = (), not_finite: int = 0
+    chains: Records,
+    groups: Sequence[Group],
+    evenness: Floats,
+    seed: int,
+    origins: np.ndarray,
+    dark: tuple[str, ...] = (),
+    not_finite: int = 0,
 ) -> State:
     """A State of chains that have made no step."""
-    sums = Sums(
-        np.array([group.weighed for group in groups], np.int64),
-        np.array([group.weight_sum for group in groups], np.float64),
-        np.array([group.weight_square_sum for group in groups], np.float64),
-    )
-    shape = len(groups), chains.device.settings.max_depth + 1
-    counts = np.zeros(shape, np.int64), np.zeros(shape)
-    return State(chains, tuple(groups), *counts, sums, evenness, 0, seed, dark, not_finite, 0)
+    device, count = chains.device, chains.count
+    counters = Records(device, "ChainCounters", count)
+    nothing = _read(counters, np.ones(count))
+    return State(chains, counters, tuple(groups), nothing, nothing, evenness, 0, seed, origins, dark, not_finite)
 
 
 def resume(device: DeviceScene, arrays: ChainArrays, groups: Sequence[Group], evenness: np.ndarray, seed: int = 0) -> State:
     """A State of chains from host arrays, as if they had just been started; ``groups`` say which are whose."""
-    return begun(chain_records(device, arrays), groups, Floats(device, evenness), seed)
+    chains = chain_records(device, arrays)
+    return begun(chains, groups, Floats(device, evenness), seed, np.arange(chains.count))
 
 
 def step_numbers(device: DeviceScene) -> tuple[np.float32, np.float32, np.float32]:
@@ -103,66 +104,56 @@ def step_numbers(device: DeviceScene) -> tuple[np.float32, np.float32, np.float3
 def step(state: State, n: int, film: Film, **constants: Any) -> tuple[State, Info]:
     """Advance every chain by ``n`` steps, splatting into its group's slot of ``film``, and wait.
 
-    ``constants`` replace kernel constants, for those who study variants of the kernel. Consumes ``state``. Raises
-    PylmcError if it was consumed before.
+    Launches end at whole multiples of STEPS_PER_LAUNCH steps and where the call does; how the steps are shared out among
+    calls changes nothing. ``constants`` replace kernel constants, for those who study variants of the kernel. Consumes
+    ``state``. Raises PylmcError if it was consumed before.
     """
-    chains = state.chains.take()
+    chains, counters = state.chains.take(), state.counters.take()
     device, count = chains.device, chains.count
     kernel = device.kernel("entry/chains.cl", "run_chains", **constants)
-    counters = Records(device, "ChainCounters", count)
-    info = None
-    for done in range(0, max(n, 1), STEPS_PER_LAUNCH):
+    units = np.array([group.unit for group in state.groups])
+    log_units = device.upload_reals(np.log(units))
+    unit_of_chain = np.ones(count)
+    for group, unit in zip(state.groups, units, strict=True):
+        unit_of_chain[group.first : group.first + group.chains] = unit
+    settled, counted, done = state.settled, state.counted, 0
+    while True:
+        steps = min(STEPS_PER_LAUNCH - (state.steps + done) % STEPS_PER_LAUNCH, n - done)
         device.launch(
             kernel,
             count,
             np.uint32(state.seed),
             np.uint64(state.steps + done),
-            np.int32(min(STEPS_PER_LAUNCH, n - done)),
+            np.int32(steps),
             np.uint32(count),
             *step_numbers(device),
+            log_units,
             chains.buffer,
             counters.buffer,
             film.buffer,
             np.int32(film.pixels),
             evenness=state.evenness.buffer,
         )
-        part = _read(counters)
-        info = part if info is None else info + part
-        counters.clear()
-    assert info is not None
-    return _advanced(state, chains, n, info), info
+        done += steps
+        counted = settled + _read(counters, unit_of_chain)
+        if steps and (state.steps + done) % STEPS_PER_LAUNCH == 0:
+            settled = counted
+            counters.clear()
+        if done >= n:
+            break
+    moved = state._replace(chains=chains, counters=counters, counted=counted, settled=settled, steps=state.steps + n)
+    return moved, counted.since(state.counted)
 
 
-def _read(counters: Records) -> Info:
+def _read(counters: Records, units: np.ndarray) -> Info:
     raw = counters.read()
     return Info(
         raw["proposed"].astype(np.int64),
         raw["acceptance"].astype(np.float64),
-        raw["weight_sum"].astype(np.float64),
-        raw["weight_square_sum"].astype(np.float64),
+        raw["weight_sum"].astype(np.float64) * units,
+        raw["weight_square_sum"].astype(np.float64) * units**2,
+        raw["splatted"].astype(np.float64),
         raw["trace"].copy(),  # a view would keep all of the counters
-        int(raw["not_finite"].sum(dtype=np.int64)),
-        int(raw["rays"].sum(dtype=np.int64)),
-    )
-
-
-def _advanced(state: State, chains: Records, n: int, info: Info) -> State:
-    def by_group(values: np.ndarray) -> np.ndarray:
-        return np.array([values[g.first : g.first + g.chains].sum(axis=0) for g in state.groups]).reshape(
-            len(state.groups), *values.shape[1:]
-        )
-
-    sums = Sums(
-        state.sums.weighed + by_group(info.proposed[:, 0]),
-        state.sums.weight + by_group(info.weight),
-        state.sums.weight_square + by_group(info.weight_square),
-    )
-    return state._replace(
-        chains=chains,
-        proposed=state.proposed + by_group(info.proposed),
-        acceptance=state.acceptance + by_group(info.acceptance),
-        sums=sums,
-        steps=state.steps + n,
-        not_finite=state.not_finite + info.not_finite,
-        rays=state.rays + info.rays,
+        raw["not_finite"].astype(np.int64),
+        raw["rays"].astype(np.int64),
     )

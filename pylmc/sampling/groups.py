@@ -40,6 +40,11 @@ class Group:
         self.weight_sum, self.weight_square_sum = float(weights.sum()), float((weights**2).sum())
 
     @property
+    def unit(self) -> float:
+        """What weights are counted in on a device: b, or one where that is zero."""
+        return self.b or 1.0
+
+    @property
     def name(self) -> str:
         """As shown to people: length and ending."""
         return f"{self.length} {ENDINGS[self.ending]}"

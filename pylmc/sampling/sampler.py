@@ -55,7 +55,7 @@ class Sampler:
         self._state: State | None = None
         self._film: Film | None = None
         self._counted: Info | None = None  # since counters() was last called
-        self._told_not_finite = 0  # how many of the state's counters() has told
+        self._untold_not_finite = 0  # of the start's candidates, until counters() has told
 
     @property
     def film_pixels(self) -> int:
@@ -136,7 +136,7 @@ class Sampler:
     def resume(self, state: State) -> None:
         """Go on with ``state``, which belongs to this sampler's device scene, and an empty film."""
         camera = self.scene.camera
-        self._state, self._counted, self._told_not_finite = state, None, 0
+        self._state, self._counted, self._untold_not_finite = state, None, state.not_finite
         self.groups, self.dark_groups = [copy(group) for group in state.groups], list(state.dark)
         self._film = Film(self.device_scene, len(self.groups), camera.height, camera.width)
 
@@ -148,23 +148,28 @@ class Sampler:
         n = check_integer("n", n, 0, 1 << 40)
         self._state, info = step(self.state, n, self.film, **constants)
         self._counted = info if self._counted is None else self._counted + info
-        for group, *sums in zip(self.groups, *self.state.sums, strict=True):
+        state = self.state
+        sums = (state.by_group(x) for x in (state.counted.proposed[:, 0], state.counted.weight, state.counted.weight_square))
+        for group, begun, large, weight, square in zip(self.groups, state.groups, *sums, strict=True):
             group.steps += n
-            group.weighed, group.weight_sum, group.weight_square_sum = int(sums[0]), float(sums[1]), float(sums[2])
+            group.weighed = begun.weighed + int(large)
+            group.weight_sum, group.weight_square_sum = (
+                begun.weight_sum + float(weight),
+                begun.weight_square_sum + float(square),
+            )
 
     def counters(self) -> Counters:
         """What the chains counted since the last call.
 
         Candidates of the start whose weight was not finite are counted with the first call's ``not_finite``.
         """
-        state = self.state
         if self._counted is None:
             self.step(0)
         assert self._counted is not None
         info, self._counted = self._counted, None
-        not_finite = state.not_finite - self._told_not_finite
-        self._told_not_finite = state.not_finite
-        return Counters(info.proposed, info.acceptance, info.trace, not_finite, info.rays)
+        not_finite = int(info.not_finite.sum()) + self._untold_not_finite
+        self._untold_not_finite = 0
+        return Counters(info.proposed, info.acceptance, info.trace, not_finite, int(info.rays.sum()))
 
     def estimators(self) -> list[Estimator]:
         """The picture's parts: one for each group, whose films the chains splat into."""

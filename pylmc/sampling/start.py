@@ -110,7 +110,8 @@ def start(device: DeviceScene, seed: int, chains: int, candidates: int, evenness
     kernel = device.kernel("entry/bootstrap.cl", "start_chains")
     device.launch(kernel, first, np.uint32(seed), np.uint32(first), table.buffer, states.buffer, evenness=weights.buffer)
     dark = tuple(group.name for group in weighed if not group.weight_sum > 0)
-    return begun(states, groups, weights, seed, dark, sum(group.not_finite for group in weighed))
+    origins = np.concatenate([part["number"] for part in starts])
+    return begun(states, groups, weights, seed, origins, dark, sum(group.not_finite for group in weighed))
 
 
 def _resampled(group: Group, slot: int, rng: np.random.Generator) -> np.ndarray:
