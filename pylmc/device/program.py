@@ -20,6 +20,7 @@ import pyopencl as cl
 
 from ..colour import LUMINANCE
 from ..errors import PylmcError
+from .conditions import check_conditions
 from .float_float import translate
 from .precision import REALS
 
@@ -165,7 +166,7 @@ def build(
     as well; None for a source that has no reals. ``math`` is as in :class:`pylmc.settings.Settings`: with ``exact`` and
     ``native`` contraction of ``a * b + c`` is off, and with ``exact`` division and square root are rounded as IEEE 754
     has it where the devices can, so that single precision gives the same bits on all of these. Raises PylmcError with the
-    device, the first error's file and line, and the log's head.
+    device, the first error's file and line, and the log's head, and for a name in an ``#if`` that nothing defines.
     """
     constants: dict[str, object] = {**defines, "MATH_NATIVE": math == "native", "MATH_CONTRACT": math in MATH_OPTIONS}
     types = ""
@@ -191,6 +192,7 @@ def build(
             body,
         ]
     )
+    check_conditions(text)
     if real == "float":
         text = _LITERAL.sub(r"\1f", text)
     elif real == "pair":
