@@ -6,6 +6,7 @@ Includes are resolved here because OpenCL's ``-I`` cannot carry paths with blank
 
 from __future__ import annotations
 
+import os
 import re
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
@@ -199,7 +200,7 @@ def build(
         text = translate(text)
     with quiet():
         try:
-            return cl.Program(context, text).build(options=_options(context, math))
+            return cl.Program(context, text).build(options=[*_options(context, math), *_silence()])
         except cl.Error as error:
             raise PylmcError(_failure(context, main, str(error))) from error
 
@@ -210,6 +211,11 @@ def _options(context: cl.Context, math: str) -> list[str]:
     if math == "exact" and all(device.single_fp_config & rounds for device in context.devices):
         return ["-cl-fp32-correctly-rounded-divide-sqrt"]
     return list(MATH_OPTIONS.get(math, ()))
+
+
+def _silence() -> list[str]:
+    """Without warnings, of whose number PoCL tells stderr; PYOPENCL_COMPILER_OUTPUT=1 leaves them in the log that it shows."""
+    return [] if os.environ.get("PYOPENCL_COMPILER_OUTPUT") else ["-w"]
 
 
 @contextmanager

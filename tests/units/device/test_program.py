@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import uuid
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -86,6 +88,15 @@ def test_a_failed_build_names_device_file_and_line(folder, context):
 )
 def test_literals(value, text):
     assert program.literal(value) == text
+
+
+def test_a_compiler_that_warns_is_not_heard(folder, context, capfd):
+    unseen = uuid.uuid4().hex  # by the compilers' caches
+    (folder / "a.cl").write_text(f'#warning "{unseen}"\n__kernel void f(__global char *x) {{ *x = 1000; }}\n')
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        program.build(context, "a.cl", defines={})
+    assert capfd.readouterr() == ("", "")
 
 
 def test_float_defines_arrive_exactly(folder, context):
