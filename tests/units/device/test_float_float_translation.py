@@ -30,7 +30,7 @@ SLOTS = 64
 DIALECT = r"""
 #define TWICE(x) (2 * (x))
 #define KERNEL __kernel __attribute__((vec_type_hint(float8)))
-#if UNUSED
+#ifdef UNUSED
 this is no C
 #endif
 typedef struct { real3 x; real t; int count; } Node;
