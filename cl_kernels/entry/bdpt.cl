@@ -1,4 +1,5 @@
 // integrator="bdpt": the independent sampler alone. Each work-item draws paths of its group and splats C / p_ind.
+#include "entry/path_kernel.cl"
 #include "path/chain_state.cl"
 #include "path/film.cl"
 

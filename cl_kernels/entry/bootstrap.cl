@@ -1,5 +1,6 @@
 // The exact start (theory.md, 6): weigh many independent paths by I / p_ind, and draw again those that the host resampled in
 // proportion to it. A path is named by its group and number, so only weights and film positions leave the device.
+#include "entry/path_kernel.cl"
 #include "path/chain_state.cl"
 
 #define PURPOSE_BOOTSTRAP 0u

@@ -1,5 +1,6 @@
 // The chains (theory.md, 6): each work-item runs one for some steps. Both states of a step are splatted with their expected
 // values.
+#include "entry/path_kernel.cl"
 #include "path/film.cl"
 #include "moves/markov_step.cl"
 

@@ -1,5 +1,6 @@
 // integrator="path": a unidirectional path tracer with light sampling, multiple importance sampling (balance heuristic) and
 // Russian roulette: the baseline that every renderer has. Each work-item owns one pixel, so its film needs no atomics.
+#include "entry/path_kernel.cl"
 #include "path/integrand.cl"
 
 #define PURPOSE_PATH 3u

@@ -6,10 +6,6 @@
 #include "number/vectors.cl"
 #include "trace/traverse.cl"
 
-// Work-items go their own ways through the tree; the hint keeps compilers from running several side by side. It is needed for
-// more than speed: Intel's CPU compiler, left to itself, loses occlusions here (tests/claims/test_devices_agree.py).
-#define PATH_KERNEL __kernel __attribute__((vec_type_hint(float8)))
-
 // SCENE_MEMBERS, SCENE_PARAMETERS and SCENE_BUNDLE are made from the table of the scene's arrays (pylmc/device/tables.py): the
 // bundle's members, a kernel's parameters, and the bundle's initialiser.
 typedef struct {

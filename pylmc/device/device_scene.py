@@ -11,10 +11,9 @@ import numpy as np
 import pyopencl as cl
 
 from ..errors import PylmcError
-from ..sampling import evenness
-from ..sampling.compiled import CompiledScene
 from ..settings import Settings
 from . import forks, program, structs, tables
+from .compiled_scene import CompiledScene
 from .handlers import kept_handlers
 from .precision import NAME_OF_REAL, on_device, real_fields
 from .survey import context_and_queue, select
@@ -129,7 +128,7 @@ class DeviceScene:
                 **features,
                 **self.settings.defines(),
                 "HAS_DEVIATION": deviates,
-                "EVENNESS_GRID": evenness.GRID,
+                "EVENNESS_GRID": len(self.compiled.arrays["evenness"]),
                 **extra,
             }
             with self.compiling():

@@ -14,68 +14,30 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import functools
-import hashlib
-import json
 import os
-import platform
-import signal
-import subprocess
-import sys
 import tempfile
 import time
 import warnings
-from dataclasses import asdict, dataclass
-from importlib.metadata import version
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import caches
 from ..errors import PylmcError, PylmcWarning
-from . import forks
-from .implementations import Implementation, implementations, path_with, resolve
+from . import findings, forks, trials
+from .findings import DeviceInfo, Rejected
+from .implementations import Implementation, implementations, path_with
+from .trials import one_line
 
 if TYPE_CHECKING:
     import pyopencl
 
 __all__ = ["DeviceInfo", "Rejected", "context_and_queue", "describes", "refresh", "rejected", "select", "usable"]
 
-PROBE_TIMEOUT = 60.0  # seconds that an implementation gets to list its devices and run a kernel on one
-GOOD_FOR = 7 * 86400.0  # seconds that a remembered success is believed while the driver looks the same
-BAD_FOR = 3600.0  # the same for a failure; shorter, since its cause may lie outside the driver (a missing linker)
-
 REMEDY = (
     "on Debian or Ubuntu run `sudo apt install pocl-opencl-icd`; without root, on x86-64, "
     "`pip install intel-opencl-rt intel-cmplr-lib-rt`"
 )
-
-
-@dataclass(frozen=True)
-class DeviceInfo:
-    """One device on which a kernel was built and run. ``memory`` is in bytes."""
-
-    name: str
-    kind: str  # "cpu", "gpu" or "other"
-    platform: str
-    platform_version: str
-    driver: str
-    position: int  # among the platform's devices
-    compute_units: int
-    memory: int
-    fp64: bool
-    int64_atomics: bool
-
-    @property
-    def label(self) -> str:
-        """What a person calls it: platform and device name; a part of this is a valid SPEC."""
-        return f"{self.platform}: {self.name}"
-
-
-@dataclass(frozen=True)
-class Rejected:
-    """A device, or a whole implementation, that does not work, and why."""
-
-    label: str
-    reason: str
 
 
 @dataclass(frozen=True)
@@ -100,7 +62,7 @@ def rejected() -> list[Rejected]:
 def refresh() -> None:
     """Forget what was remembered, on disk too, and try every device again (in new processes)."""
     with contextlib.suppress(OSError):
-        _cache_file().unlink()
+        findings.file().unlink()
     _survey.cache_clear()
 
 
@@ -163,7 +125,7 @@ def _from_pyopencl_ctx(devices: list[DeviceInfo]) -> pyopencl.Device:
         device = cl.choose_devices(interactive=False)[0]
     except (RuntimeError, ValueError, IndexError, cl.Error) as error:
         raise PylmcError(
-            f"PYOPENCL_CTX='{choice}' names no device ({_one_line(str(error))}); unset it or see `pylmc devices`"
+            f"PYOPENCL_CTX='{choice}' names no device ({one_line(str(error))}); unset it or see `pylmc devices`"
         ) from None
     if not any(describes(info, device) for info in devices):
         raise PylmcError(
@@ -228,28 +190,28 @@ def _load_implementations() -> None:
                 os.environ["OCL_ICD_VENDORS"] = before
 
 
-# --- trying them ------------------------------------------------------------------------------------------------------
+# --- the survey -------------------------------------------------------------------------------------------------------
 
 
 @functools.cache
 def _survey() -> _Survey:
-    remembered = _read_cache()
+    remembered = findings.read()
     cache: dict[str, Any] = {}
     devices: list[DeviceInfo] = []
     failures: list[Rejected] = []
     loadable: list[Implementation] = []
     for implementation in implementations():
-        key = _fingerprint(implementation)
+        key = findings.fingerprint(implementation)
         result = remembered.get(key)
         if result is None:
-            result = {"time": time.time(), **_try(implementation)}
+            result = {"time": time.time(), **trials.tried(implementation)}
         cache[key] = result
         devices += [DeviceInfo(**device) for device in result["usable"]]
         failures += [Rejected(**failure) for failure in result["rejected"]]
         if result["usable"]:
             loadable.append(implementation)
     # Other virtual environments and settings share the file, so their results are kept.
-    _write_cache({**remembered, **cache})
+    findings.write({**remembered, **cache})
     return _Survey(tuple(sorted(devices, key=_merit)), tuple(failures), tuple(loadable))
 
 
@@ -258,156 +220,3 @@ def _merit(device: DeviceInfo) -> tuple[int, int]:
     maker = device.platform.lower()
     kind = {"gpu": 0, "cpu": 1}.get(device.kind, 2)
     return kind, 0 if kind == 0 or "portable computing language" in maker else 1 if "intel" in maker else 2
-
-
-def _try(implementation: Implementation) -> dict[str, list[dict[str, Any]]]:
-    """List the implementation's devices and run a kernel on each, in as many processes as it brings down."""
-    good: list[dict[str, Any]] = []
-    bad: list[dict[str, Any]] = []
-    first, listed = 0, 1
-    while first < listed:
-        events, failure = _run_probe(implementation, first)
-        listed = next((event["listed"] for event in events if "listed" in event), 0)
-        device: dict[str, Any] | None = None
-        for event in events:
-            if "device" in event:
-                device = event["device"]
-                first += 1
-            elif device is not None and "ok" in event:
-                good.append(device)
-                device = None
-            elif device is not None and "error" in event:
-                bad.append({"label": f"{device['platform']}: {device['name']}", "reason": _one_line(event["error"])})
-                device = None
-        if device is not None:  # the process ended while this device was tried
-            bad.append({"label": f"{device['platform']}: {device['name']}", "reason": failure or "it ended silently"})
-        elif failure:
-            bad.append({"label": implementation.label, "reason": failure})
-            break
-        elif listed == 0:
-            names = [name for event in events for name in event.get("platforms", [])]
-            reason = f"{', '.join(names)} lists no device" if names else _why_not_opened(implementation)
-            bad.append({"label": implementation.label, "reason": reason})
-    return {"usable": good, "rejected": bad}
-
-
-def _why_not_opened(implementation: Implementation) -> str:
-    library = implementation.library
-    if implementation.label.endswith(".icd") and not library:
-        return "the .icd file is empty or cannot be read; it should name a library"
-    if "/" in library and not Path(library).exists():
-        return f"{library} does not exist"
-    return f"the OpenCL loader could not open {library or 'any implementation'}"
-
-
-def _run_probe(implementation: Implementation, first: int) -> tuple[list[dict[str, Any]], str | None]:
-    """What the probe printed, and how its process failed (None if it ended well)."""
-    # A kernel out of a cache would prove nothing about the compiler.
-    environ = {**os.environ, "PATH": path_with(implementation), "POCL_KERNEL_CACHE": "0", "PYOPENCL_NO_CACHE": "1"}
-    command = [sys.executable, "-P", str(Path(__file__).with_name("probe.py")), str(first), *implementation.preload]
-    # Files, not pipes: a driver's helper that outlives the probe would keep a pipe open.
-    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err, tempfile.TemporaryDirectory() as vendors:
-        if implementation.library:
-            Path(vendors, "probed.icd").write_bytes(os.fsencode(implementation.library) + b"\n")
-            environ["OCL_ICD_VENDORS"] = vendors
-        process = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=out, stderr=err, env=environ, start_new_session=True
-        )
-        failure = None
-        try:
-            status = process.wait(PROBE_TIMEOUT)
-        except subprocess.TimeoutExpired:
-            failure = f"it did not answer within {PROBE_TIMEOUT:g} s"
-        else:
-            if status < 0:
-                failure = f"it crashed ({signal.Signals(-status).name}) while a test kernel was built or run"
-            elif status > 0:
-                failure = f"its test ended with exit code {status}"
-        finally:
-            _end(process)
-        out.seek(0)
-        err.seek(0)
-        events = _events(out.read().decode(errors="replace"))
-        complaints = err.read().decode(errors="replace").strip().splitlines()
-    if failure and complaints:
-        failure += f": {_one_line(complaints[-1])}"
-    return events, failure
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    """End the probe and what it started, if it still runs."""
-    if process.poll() is None:
-        if hasattr(os, "killpg"):
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
-        else:
-            process.kill()
-        with contextlib.suppress(subprocess.TimeoutExpired):  # a process stuck in a kernel driver cannot be ended
-            process.wait(5)
-
-
-def _events(text: str) -> list[dict[str, Any]]:
-    events = []
-    for line in text.splitlines():
-        with contextlib.suppress(ValueError):  # drivers print to stdout, too
-            event = json.loads(line)
-            if isinstance(event, dict):
-                events.append(event)
-    return events
-
-
-def _one_line(text: str, limit: int = 240) -> str:
-    line = " ".join(text.split())
-    return line if len(line) <= limit else line[: limit - 1] + "…"
-
-
-# --- remembering ------------------------------------------------------------------------------------------------------
-
-
-def _cache_file() -> Path:
-    home = os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser()
-    return Path(home, "pylmc", "devices.json")
-
-
-def _fingerprint(implementation: Implementation) -> str:
-    """Changes whenever the driver, the machine, or a setting that drivers look at does."""
-    facts: list[Any] = [asdict(implementation), version("pyopencl"), platform.node(), platform.release()]
-    facts.append(Path(__file__).with_name("probe.py").read_text(encoding="utf-8"))
-    for file in (resolve(implementation.library), *implementation.preload):
-        with contextlib.suppress(OSError):
-            state = os.stat(file)
-            facts.append((os.path.realpath(file), state.st_size, state.st_mtime_ns))
-    with contextlib.suppress(OSError):  # the kernel's side of NVIDIA's driver
-        facts.append(Path("/proc/driver/nvidia/version").read_text(encoding="utf-8", errors="replace"))
-    prefixes = ("POCL_", "OCL_", "CL_", "RUSTICL_", "CUDA_", "NVIDIA_", "HIP_", "ROCR_", "LD_LIBRARY_PATH", "PATH")
-    looked_at = {name: value for name, value in os.environ.items() if name.startswith(prefixes)}
-    looked_at.pop("POCL_CACHE_DIR", None)  # always one that can be written: see pylmc.caches
-    facts.append(sorted(looked_at.items()))
-    return hashlib.sha256(json.dumps(facts).encode()).hexdigest()
-
-
-def _read_cache() -> dict[str, Any]:
-    """Results that are still to be believed, by fingerprint."""
-    try:
-        content = json.loads(_cache_file().read_text(encoding="utf-8"))
-        now = time.time()
-        fresh = {}
-        for key, result in content.items():
-            for device in result["usable"]:
-                DeviceInfo(**device)
-            for failure in result["rejected"]:
-                Rejected(**failure)
-            if 0 <= now - result["time"] < (BAD_FOR if result["rejected"] else GOOD_FOR):
-                fresh[key] = result
-        return fresh
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        return {}
-
-
-def _write_cache(content: dict[str, Any]) -> None:
-    file = _cache_file()
-    with contextlib.suppress(OSError):  # a cache that cannot be written only costs a second at the next start
-        file.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=file.parent, delete=False) as temporary:
-            json.dump(content, temporary)
-        os.replace(temporary.name, file)

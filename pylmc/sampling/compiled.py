@@ -8,13 +8,13 @@ about one. A scene far from the origin, very small, very large, very bright or v
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..constraints.plan import NARROW_ALPHA, ConstraintPlan, plan_constraints
 from ..device import tables
+from ..device.compiled_scene import CompiledScene
 from ..device.precision import nominal, real_fields
 from ..errors import PylmcError
 from ..geometry import bvh
@@ -22,34 +22,10 @@ from ..geometry.mesh import Mesh, Part, join
 from ..geometry.objects import SceneObject, find_objects
 from ..geometry.portals import find_portals
 from ..lobes import KINDS, REFERENCES, Lobe
-from ..scene import Light, Portal, Scene, Shape, Texture
+from ..scene import Portal, Scene, Shape, Texture
 from ..scene.lights.light import INFINITY, Placement
 from .compiled_lights import light_arrays, power_of_two
 from .evenness import GRID
-
-
-@dataclass(frozen=True, eq=False)
-class CompiledScene:
-    """What is found in a scene, its arrays for the device, kernel constants, and what undoes the scaling.
-
-    ``mesh``, ``portals`` (given or found) and ``objects`` are in scene units; ``plan`` lists the constraints that they make.
-    ``arrays`` by name (see ``SCENE_ARRAYS`` in pylmc/device/tables.py) are scaled; ``features`` are the kernel constants,
-    ``lobe_kinds`` and ``light_kinds`` the kinds of lobes and of lights without area; ``endings`` which of connect (0) and hit
-    (1) the scene has. ``radiance_scale``: multiply a rendered radiance by this to return to the scene's units.
-    """
-
-    mesh: Mesh
-    portals: tuple[Portal, ...]
-    objects: tuple[SceneObject, ...]
-    plan: ConstraintPlan
-    arrays: dict[str, np.ndarray]
-    features: dict[str, Any]
-    lobe_kinds: tuple[type[Lobe], ...]
-    light_kinds: tuple[type[Light], ...]
-    endings: tuple[int, ...]
-    centre: np.ndarray
-    scale: float
-    radiance_scale: float
 
 
 def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:

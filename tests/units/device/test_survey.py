@@ -11,7 +11,7 @@ import pyopencl as cl
 import pytest
 
 from pylmc import PylmcError
-from pylmc.device import implementations, survey
+from pylmc.device import findings, implementations, survey, trials
 from pylmc.device.survey import DeviceInfo
 
 
@@ -125,7 +125,7 @@ def test_a_crashing_driver_harms_nobody(monkeypatch: pytest.MonkeyPatch, tmp_pat
 def test_a_hanging_driver_harms_nobody(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     driver(tmp_path, "hang", "sleep(1000);")
     monkeypatch.setenv("OCL_ICD_VENDORS", str(tmp_path))
-    monkeypatch.setattr(survey, "PROBE_TIMEOUT", 3.0)
+    monkeypatch.setattr(trials, "PROBE_TIMEOUT", 3.0)
     assert survey.usable() == []
     assert "did not answer within 3 s" in survey.rejected()[0].reason
 
@@ -134,18 +134,18 @@ def test_results_are_remembered_until_the_driver_changes(monkeypatch: pytest.Mon
     library = driver(tmp_path, "odd", "_exit(3);")
     monkeypatch.setenv("OCL_ICD_VENDORS", str(tmp_path))
     tried = []
-    real = survey._try
-    monkeypatch.setattr(survey, "_try", lambda implementation: tried.append(implementation) or real(implementation))
+    real = trials.tried
+    monkeypatch.setattr(trials, "tried", lambda implementation: tried.append(implementation) or real(implementation))
     for expected, action in ((1, None), (1, "again"), (2, "change"), (3, "refresh"), (4, "late"), (5, "damage")):
         if action == "change":
             library.write_bytes(library.read_bytes() + b"\0")
         elif action == "refresh":
             survey.refresh()
         elif action == "late":
-            now = survey.time.time() + survey.BAD_FOR + 1
-            monkeypatch.setattr(survey.time, "time", lambda now=now: now)
+            now = findings.time.time() + findings.BAD_FOR + 1
+            monkeypatch.setattr(findings.time, "time", lambda now=now: now)
         elif action == "damage":
-            survey._cache_file().write_text('{"x": 1}')
+            findings.file().write_text('{"x": 1}')
         survey._survey.cache_clear()
         assert "exit code 3" in survey.rejected()[0].reason
         assert len(tried) == expected, action
