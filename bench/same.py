@@ -91,7 +91,7 @@ def main() -> int:
     parser.add_argument("--only", default="", metavar="TEXT", help="cases whose name holds this")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "same", metavar="FOLDER")
     options = parser.parse_args()
-    folders = (options.out / "head", options.out / "base")
+    folders = (options.out.resolve() / "head", options.out.resolve() / "base")
     for folder in folders:
         for file in folder.glob("*.*"):
             file.unlink()
@@ -104,6 +104,8 @@ def main() -> int:
     found = {name: difference(name, ours[name], theirs[name], folders) for name in theirs}
     for name, words in found.items():
         print(f"{'same  ' if not words else 'DIFFERS'} {name}{': ' if words else ''}{words}")
+    if not found:
+        parser.error(f"no case's name holds '{options.only}'")
     unlike = sum(bool(words) for words in found.values())
     print(f"{len(found) - unlike} of {len(found)} cases are the same, bit for bit")
     report = {"base": options.base, "head": options.head or "working tree", **circumstances(), "differences": found}
