@@ -9,7 +9,10 @@ import pytest
 
 import pylmc
 
-RENDER = ["render", "box", "--size", "16x16", "--max-depth", "2", "--mutations-per-pixel", "32", "--quiet", "-o", "box.exr"]
+TRACE = """
+import pylmc
+print(pylmc.RayTracer([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).any_hit([0.2, 0.2, 1], [0, 0, -1]))
+"""
 
 
 def run(folder: Path, *command: str, **changes: str) -> subprocess.CompletedProcess[str]:
@@ -23,11 +26,16 @@ def run(folder: Path, *command: str, **changes: str) -> subprocess.CompletedProc
 @pytest.mark.parametrize("variable", ["HOME", "XDG_CACHE_HOME", "POCL_CACHE_DIR"])
 def test_a_folder_that_cannot_be_written(variable: str, tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    done = run(tmp_path, "-m", "pylmc", *RENDER, **{variable: str(tmp_path / "file" / "below")})
-    assert done.returncode == 0 and (tmp_path / "box.exr").exists(), done.stderr
-    assert done.stderr.startswith("pylmc: warning: ") and done.stderr.count("\n") == 1
-    assert "file/below" in done.stderr and "cannot be written" in done.stderr
+    done = run(tmp_path, "-c", TRACE, **{variable: str(tmp_path / "file" / "below")})
+    assert done.returncode == 0 and done.stdout == "[ True]\n", done.stderr
+    assert "PylmcWarning" in done.stderr and "file/below" in done.stderr and "cannot be written" in done.stderr
     assert not list(tmp_path.glob("pylmc-*")), "the folder in its place is gone"
+
+
+def test_the_command_says_so_in_a_line(tmp_path: Path) -> None:
+    done = run(tmp_path, "-m", "pylmc", "devices", HOME="/dev/null")
+    assert done.returncode == 0 and "* 0" in done.stdout
+    assert done.stderr.startswith("pylmc: warning: ") and done.stderr.count("\n") == 1
 
 
 def test_subfolders_count(tmp_path: Path) -> None:

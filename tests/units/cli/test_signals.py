@@ -66,7 +66,7 @@ def test_a_render_that_is_ended_keeps_its_picture(name: str, code: int, integrat
 
 
 def test_a_render_under_nohup_goes_on(tmp_path: Path) -> None:
-    process = start([*RENDER, "--seconds", "3"], tmp_path, lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+    process = start([*RENDER, "--seconds", "2"], tmp_path, lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
     wait_for("/s=", process)
     process.send_signal(signal.SIGHUP)
     status, said = end(process)

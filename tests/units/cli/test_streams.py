@@ -41,9 +41,7 @@ def test_stdout_that_takes_nothing(command: str, where: str, why: str, tmp_path:
     [
         (">&-", 1),
         ("2>&-", 0),
-        (">&- 2>&-", 1),
         ("<&- >&- 2>&-", 1),
-        pytest.param("> /dev/full", 1, marks=needs_full),
         pytest.param("2> /dev/full", 0, marks=needs_full),
     ],
 )
@@ -61,7 +59,7 @@ def test_errors_are_silent_where_nobody_listens(tmp_path: Path) -> None:
 
 
 def test_a_reader_that_leaves(tmp_path: Path) -> None:
-    done = shell("{ sleep 3; pylmc scenes; } | true; exit ${PIPESTATUS[0]}", tmp_path)
+    done = shell("{ sleep 1; pylmc scenes; } | true; exit ${PIPESTATUS[0]}", tmp_path)
     assert done.returncode == 1 and done.stderr == b""
 
 
