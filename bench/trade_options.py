@@ -85,10 +85,6 @@ def applies(option: Option, compiled: CompiledScene) -> bool:
         "targets": features["NUM_TARGETS"] > 0,
         # target charts of flat, wide surfaces need neither frames nor normals' tangents
         "HAS_DEVIATION": features["HAS_NARROW"] or features["HAS_SMOOTH"],
-        # diffuse lobes are bounded by one radian, so every scene has that kind
-        "lobes": True,
-        "portals": features["NUM_PORTALS"] > 0,
-        "objects": plan.small_objects + plan.emitters > 0,
-        "normals": features["HAS_SMOOTH"],
+        **{constraint.name: constraint.present for constraint in plan.constraints},
     }
     return bool(has[option.needs])

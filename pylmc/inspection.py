@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from .constraints.plan import MAX_PORTALS, NARROW_ALPHA
 from .sampling.compiled import CompiledScene, compile_scene
 from .sampling.limits import limits
 from .scene import Scene
@@ -41,33 +38,14 @@ def info(scene: Scene, precision: str = "single", **settings: Any) -> str:
         "constraints",
         "  bounds      always: one radian or chart unit per direction (the film for the first)",
     ]
-    if plan.narrow_materials:
-        names = ", ".join(plan.narrow_materials[:6]) + (", ..." if len(plan.narrow_materials) > 6 else "")
-        lines.append(f"  lobes       {len(plan.narrow_materials)} narrow material(s), alpha < {NARROW_ALPHA:g}: {names}")
-    if plan.portals:
-        sizes = ", ".join("x".join(f"{2 * h:.3g}" for h in a.half_size) for a in plan.portals[:6])
-        lines.append(f"  portals     {len(plan.portals)} portal(s) of at most {MAX_PORTALS}, sizes {sizes}")
-    if plan.small_objects:
-        halves = [
-            item.half_extents
-            for item, w in zip(compiled.objects, plan.object_weights, strict=True)
-            if np.any(w > 0) and not scene.shapes[item.shape].emission
-        ]
-        sizes = ", ".join("x".join(f"{2 * h:.2g}" for h in half) for half in halves[:6])
-        more = ", ..." if len(halves) > 6 else ""
-        lines.append(f"  objects     {plan.small_objects} small object(s), sizes {sizes}{more}")
-    if plan.emitters:
-        lines.append(f"  emitters    {plan.emitters} emitting object(s), for paths that end on one")
-    if plan.curved_shapes:
-        lines.append(f"  normals     {plan.curved_shapes} shape(s) with smooth normals")
-    aimed = len(plan.portals) + len(plan.aimed_objects)
-    lines.append(
-        f"aimed at      {len(plan.portals)} portal(s), {len(plan.aimed_objects)} small object(s)"
-        if aimed
-        else "aimed at      nothing"
-    )
+    lines += [f"  {line}" for constraint in plan.constraints for line in constraint.lines()]
+    portals = features["NUM_PORTALS"]
+    aimed = f"{portals} portal(s), {len(plan.aimed_objects)} small object(s)" if features["NUM_TARGETS"] else "nothing"
+    lines.append(f"aimed at      {aimed}")
     lines.append("left out")
-    lines += [f"  {reason}" for reason in _left_out(compiled, chosen)]
+    lines += [f"  {reason}" for reason in plan.left_out]
+    if not chosen.drift:
+        lines.append("  the gradient of log pi: drift is off")
     lines.append("compiled in   " + ", ".join(sorted(k for k, v in features.items() if k.startswith("HAS_") and v)))
     out = sorted(k for k, v in features.items() if k.startswith("HAS_") and not v)
     lines.append("compiled out  " + (", ".join(out) or "nothing"))
@@ -89,19 +67,3 @@ def _portals(scene: Scene, compiled: CompiledScene) -> str:
     places = ["at (" + ", ".join(f"{x:.3g}" for x in portal.centre) + ")" for portal in compiled.portals[:3]]
     more = ", ..." if len(compiled.portals) > 3 else ""
     return f"{len(compiled.portals)} {origin}{': ' if places else ''}{', '.join(places)}{more}"
-
-
-def _left_out(compiled: CompiledScene, chosen: Settings) -> list[str]:
-    plan, features = compiled.plan, compiled.features
-    reasons = list(plan.left_out)
-    if not features["HAS_NARROW"]:
-        reasons.append("lobe constraints: no lobe is narrow")
-    if not compiled.portals:
-        reasons.append("portal constraints: the scene has no portal (inner boundary loop of an open planar piece)")
-    if not plan.small_objects:
-        reasons.append("object constraints: no object is small")
-    if not plan.curved_shapes:
-        reasons.append("normal constraints: all faces are flat")
-    if not chosen.drift:
-        reasons.append("the gradient of log pi: drift is off")
-    return reasons

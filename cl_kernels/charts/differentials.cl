@@ -1,5 +1,5 @@
-// Tangents dx_k, dv_k, dn_k of the path in each of its coordinates, carried along it (forward mode; theory.md, 4; eqs.
-// (15), (18)). Eight coordinates lie side by side in a real8, so that one pass serves eight columns.
+// How a node, its normal and the direction that leaves it follow a moving path: derivatives in each of its coordinates (forward
+// mode; theory.md, 4; eqs. (15), (18)).
 //
 // With DIFFERENTIALS_REDUCED normals and frames count as fixed: dn = dp = 0. Any Q that is a function of the state keeps the
 // chain exact, so this costs efficiency only (theory.md, 4).
@@ -70,6 +70,15 @@ Tangent deviation_tangent(const Chart *chart, Tangent ds, Tangent dp, real8 unit
     dv = tangent_add(dv, tangent_times(dq, (real8)(across * chart->omega.y)));
 #endif
     return dv;
+}
+
+// dv of a direction that has coordinates: x is the node that it leaves, dx how that moves; of a deviation, ds and dp are how its
+// reference direction and frame do.
+Tangent chart_tangent(const Chart *chart, real3 x, real3 v, Tangent dx, Tangent ds, Tangent dp, real8 unit1, real8 unit2) {
+    if (HAS_DEVIATION && chart->kind == KIND_DEVIATION) return deviation_tangent(chart, ds, dp, unit1, unit2);
+    if (!COORDINATES_TARGET && chart->kind == KIND_PROJECTION)
+        return tangent_add(tangent_scaled(chart->e1, unit1), tangent_scaled(chart->e2, unit2));
+    return aimed_tangent(chart, x, v, dx, unit1, unit2);
 }
 
 // dx of the node that the segment meets: dx_k = (1 - v n^T / (v.n)) (dx_{k-1} + t dv_k).

@@ -14,6 +14,10 @@ typedef struct {
     real8 x, y, z;
 } Tangent;
 
+Tangent tangent_zero(void) {
+    Tangent r = {(real8)(0.0), (real8)(0.0), (real8)(0.0)};
+    return r;
+}
 Tangent tangent_scaled(real3 a, real8 s) {
     Tangent r = {a.x * s, a.y * s, a.z * s};
     return r;

@@ -6,7 +6,7 @@
 #ifndef PYLMC_FACTOR
 #define PYLMC_FACTOR
 
-#include "charts/differentials.cl"
+#include "charts/tangent.cl"
 
 typedef struct {
     real8 column[COLUMNS][COLUMN_BLOCKS];

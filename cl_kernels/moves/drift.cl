@@ -5,6 +5,7 @@
 #ifndef PYLMC_DRIFT
 #define PYLMC_DRIFT
 
+#include "charts/sweep.cl"
 #include "constraints/factor.cl"
 #include "lobes/lobes.cl"
 
@@ -25,9 +26,42 @@ void gradient_add_camera(const Scene *scene, real3 v, const Tangent *dv, int blo
     for (int b = 0; b < blocks; b++) gradient->block[b] -= 3.0 / dot(v, forward) * tangent_dot(forward, dv[b]);
 }
 
-// log dsigma/ddelta = log(|n.v| / |c + delta - x|^2) of a target chart; `towards` is c - x, of tangent `moved`.
-void gradient_add_target(real3 normal, real3 v, real distance, int block, Tangent dv, Tangent moved, Row *gradient) {
-    gradient->block[block] += tangent_dot(normal, dv) / dot(normal, v) - 2.0 / distance * tangent_dot(v, moved);
+// log dsigma/ddelta of a direction's chart: of an orthographic deviation, or log(|n.v| / |c + delta - x|^2) of a target chart.
+void gradient_add_chart(const Segment *segment, Row *gradient) {
+    const Chart *chart = segment->chart;
+    for (int b = 0; b < segment->blocks; b++) {
+        real8 unit1 = column_unit(b, 2 * segment->j - 2), unit2 = column_unit(b, 2 * segment->j - 1);
+        if (CHART == CHART_ORTHOGRAPHIC && chart->kind == KIND_DEVIATION)
+            gradient->block[b] +=
+                (chart->omega.x * unit1 + chart->omega.y * unit2) / fmax(1.0 - dot(chart->omega, chart->omega), 1e-6);
+        if (chart->kind < KIND_NODE) continue;
+        Tangent moved =
+            tangent_sub(tangent_add(tangent_scaled(chart->e1, unit1), tangent_scaled(chart->e2, unit2)), segment->dx_here[b]);
+        real3 v = segment->next->v;
+        gradient->block[b] += tangent_dot(chart->normal, segment->dv[b]) / dot(chart->normal, v) -
+                              2.0 / distance(chart->anchor, segment->here->x) * tangent_dot(v, moved);
+    }
+}
+
+// The joint's 1 / r^2, and |n.v| of the node that it leads to, unless that is a light without area.
+void gradient_add_joint(const Segment *segment, Row *gradient) {
+    const Vertex *next = segment->next;
+    if (is_infinite(next)) return;
+    for (int b = 0; b < segment->blocks; b++) {
+        gradient->block[b] += 2.0 / next->t * tangent_dot(next->v, segment->dx_here[b]);
+        if (next->place == PLACE_SURFACE) gradient->block[b] += tangent_dot(next->ng, segment->dv[b]) / dot(next->ng, next->v);
+    }
+}
+
+// Everything that depends on this segment's direction.
+void gradient_add_segment(const Scene *scene, const Segment *segment, Row *gradient) {
+    if (segment->chart) gradient_add_chart(segment, gradient);
+    if (segment->j == 1)
+        gradient_add_camera(scene, segment->next->v, segment->dv, segment->blocks, gradient);
+    else
+        gradient_add_lobe(scene, segment->here, segment->next->v, segment->dv_here, segment->dv, segment->dn_here,
+                          segment->blocks, gradient);
+    if (!segment->chart && !segment->past) gradient_add_joint(segment, gradient);
 }
 
 // drift[k] in units of xi, for the step length h.

@@ -120,11 +120,14 @@ class DeviceScene:
         key = source + repr(sorted(extra.items()))
         if key not in self._programs:
             features = self.compiled.features
+            constraints = self.compiled.plan.names(self.settings)
+            kinds = tables.Kinds(self.compiled.lobe_kinds, self.compiled.light_kinds, constraints)
             deviates = self.settings.coordinates == "deviation" or features["HAS_NARROW"]
             defines = {
                 **tables.scene_macros(),
                 **tables.enumerations(),
-                **tables.dispatch(self.compiled.lobe_kinds, self.compiled.light_kinds),
+                **tables.dispatch(kinds),
+                "NEEDS_TANGENTS": bool(kinds.constraints) or self.settings.drift,
                 **features,
                 **self.settings.defines(),
                 "HAS_DEVIATION": deviates,
@@ -136,7 +139,7 @@ class DeviceScene:
                     self.context,
                     source,
                     defines=defines,
-                    files=tables.files(self.compiled.lobe_kinds, self.compiled.light_kinds),
+                    files=tables.files(kinds),
                     structs=self._declarations,
                     real=self.precision.real,
                     math=self.settings.math,

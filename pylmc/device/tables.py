@@ -7,10 +7,12 @@ field stands for a ``real``: :func:`pylmc.device.precision.real_fields` puts the
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..constraints import KINDS as CONSTRAINTS
+from ..constraints.portals import Portals
 from ..lobes import KINDS, REFERENCES, Lobe
 from ..scene.lights import Light
 from ..scene.lights.light import INFINITY, POINT
@@ -39,10 +41,8 @@ TRIANGLE_INFO: list[Any] = [
 ]
 MATERIAL: list[Any] = [("first_lobe", np.int32), ("lobes", np.int32), ("choices", np.int32), ("texture", np.int32)]
 TEXTURE_INFO: list[Any] = [("offset", np.int32), ("width", np.int32), ("height", np.int32)]
-SCENE_OBJECT: list[Any] = [("axes", np.float64, (9,)), ("inverse_half", *_F3), ("small", np.int32)]
 EMITTER: list[Any] = [("radiance", *_F3), ("density", np.float64)]
-PORTAL: list[Any] = [("centre", *_F3), ("normal", *_F3), ("axis", *_F3), ("half_size", np.float64, (2,))]
-TARGET: list[Any] = [*PORTAL, ("sphere", np.int32)]
+TARGET: list[Any] = [*Portals.structs["Portal"], ("sphere", np.int32)]
 CHAIN_START: list[Any] = [
     ("group", np.uint32),
     ("number", np.uint32),
@@ -87,12 +87,11 @@ SCENE_ARRAYS: dict[str, str] = {
     "lobes": "Lobe",
     "textures": "TextureInfo",
     "texels": "float",
-    "objects": "SceneObject",
     "emitters": "Emitter",
     "emitter_cdf": "real",
     "emitter_triangles": "int",
     "lights": "Light",
-    "portals": "Portal",
+    **{name: kind for constraint in CONSTRAINTS for name, kind in constraint.arrays.items()},
     "targets": "Target",
     "camera": "Camera",
     "evenness": "float",
@@ -105,9 +104,8 @@ SCENE_STRUCTS = {
     "TriangleInfo": TRIANGLE_INFO,
     "Material": MATERIAL,
     "TextureInfo": TEXTURE_INFO,
-    "SceneObject": SCENE_OBJECT,
     "Emitter": EMITTER,
-    "Portal": PORTAL,
+    **{name: fields for constraint in CONSTRAINTS for name, fields in constraint.structs.items()},
     "Target": TARGET,
 }
 ENDINGS = ("connect", "hit")  # how a path ends: joined to a light without area, or on an emitter
@@ -153,21 +151,31 @@ def _references(kinds: Sequence[type[Lobe]]) -> list[str]:
     return [name for name in REFERENCES if any(kind.reference == name for kind in kinds)]
 
 
-def dispatch(kinds: Sequence[type[Lobe]], lights: Sequence[type[Light]]) -> dict[str, str]:
-    """The lists that the kernels' switches are made of: F(NUMBER, name) for each kind that the scene has."""
+class Kinds(NamedTuple):
+    """The kinds of things that a program is made for; of constraints their names."""
+
+    lobes: Sequence[type[Lobe]]
+    lights: Sequence[type[Light]]
+    constraints: Sequence[str]
+
+
+def dispatch(kinds: Kinds) -> dict[str, str]:
+    """The lists that the kernels' dispatch is made of: F(NUMBER, name) for each kind in a switch, F(name) for a constraint."""
     return {
-        "LIGHTS(F)": " ".join(f"F(LIGHT_{kind.name.upper()}, {kind.name})" for kind in lights),
-        "LOBES(F)": " ".join(f"F(LOBE_{kind.name.upper()}, {kind.name})" for kind in kinds),
-        "REFERENCES(F)": " ".join(f"F(REFERENCE_{name.upper()}, {name})" for name in _references(kinds)),
+        "CONSTRAINTS(F)": " ".join(f"F({name})" for name in kinds.constraints),
+        "LIGHTS(F)": " ".join(f"F(LIGHT_{kind.name.upper()}, {kind.name})" for kind in kinds.lights),
+        "LOBES(F)": " ".join(f"F(LOBE_{kind.name.upper()}, {kind.name})" for kind in kinds.lobes),
+        "REFERENCES(F)": " ".join(f"F(REFERENCE_{name.upper()}, {name})" for name in _references(kinds.lobes)),
     }
 
 
-def files(kinds: Sequence[type[Lobe]], lights: Sequence[type[Light]]) -> dict[str, list[str]]:
+def files(kinds: Kinds) -> dict[str, list[str]]:
     """The kernel files behind those lists, by the word that stands for them in an ``#include``."""
     return {
-        "LIGHT_FILES": [f"lights/{kind.name}.cl" for kind in lights],
-        "LOBE_FILES": [f"lobes/{kind.name}.cl" for kind in kinds],
-        "REFERENCE_FILES": [f"references/{name}.cl" for name in _references(kinds)],
+        "CONSTRAINT_FILES": [f"constraints/{name}.cl" for name in kinds.constraints],
+        "LIGHT_FILES": [f"lights/{kind.name}.cl" for kind in kinds.lights],
+        "LOBE_FILES": [f"lobes/{kind.name}.cl" for kind in kinds.lobes],
+        "REFERENCE_FILES": [f"references/{name}.cl" for name in _references(kinds.lobes)],
     }
 
 

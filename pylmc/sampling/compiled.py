@@ -12,7 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from ..constraints.plan import NARROW_ALPHA, ConstraintPlan, plan_constraints
+from ..constraints.constraint import Found
+from ..constraints.lobes import NARROW_ALPHA
+from ..constraints.plan import ConstraintPlan, plan_constraints
 from ..device import tables
 from ..device.compiled_scene import CompiledScene
 from ..device.precision import nominal, real_fields
@@ -47,14 +49,16 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
 
     objects, object_of = find_objects(mesh)
     portals = _all_portals(scene, mesh)
-    plan = plan_constraints(scene, objects, portals, radius)
+    plan = plan_constraints(Found(scene, objects, portals, radius))
+    placement = Placement(centre, scale, radius / scale)
+    constraints = [constraint.records(placement) for constraint in plan.constraints]
     corners = vertices[faces]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     doubled = np.linalg.norm(cross, axis=1)
     geometric = np.where(doubled[:, None] > 0, cross / np.where(doubled > 0, doubled, 1)[:, None], [0.0, 0.0, 1.0])
 
     materials, material_of_shape, lobe_kinds = _materials(scene.shapes)
-    lights = light_arrays(scene, doubled / 2, shape_of, Placement(centre, scale, radius / scale))
+    lights = light_arrays(scene, doubled / 2, shape_of, placement)
     triangles = np.zeros(len(faces), tables.TRIANGLE_INFO)
     triangles["normal"] = geometric
     triangles["material"] = material_of_shape[shape_of]
@@ -72,13 +76,12 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
         "uvs": mesh.uvs,
         "triangles": triangles,
         **materials,
-        "objects": _objects(objects, plan, scale),
         **lights.arrays,
-        "portals": _portals(plan, centre, scale),
-        "targets": _targets(plan, objects, centre, scale),
+        **{name: records for of_kind in constraints for name, records in of_kind.items()},
         "camera": _camera(scene, centre, scale),
         "evenness": np.ones((GRID, GRID), np.float32),
     }
+    arrays["targets"] = _targets(arrays["portals"], objects, plan.aimed_objects, placement)
     for name in (name for name, kind in tables.SCENE_ARRAYS.items() if kind not in tables.FIXED_TYPES):
         arrays[name] = arrays[name].astype(real_fields(arrays[name].dtype, kind.host), copy=False)
     features = tree.defines() | {
@@ -87,14 +90,14 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
         "NUM_LIGHTS": len(scene.lights),
         "HAS_INFINITE": any(light.place == INFINITY for light in scene.lights),
         "NUM_EMITTER_TRIANGLES": len(arrays["emitter_triangles"]),
-        "NUM_PORTALS": len(plan.portals),
-        "NUM_TARGETS": len(plan.portals) + len(plan.aimed_objects),
+        "NUM_TARGETS": len(arrays["targets"]),
         "HAS_PAIRS": any(kind.pair for kind in lobe_kinds),
         "HAS_NARROW": bool(arrays["lobes"]["narrow"].any()),
         "HAS_SMOOTH": bool(mesh.smooth.any()),
         "HAS_TEXTURES": len(arrays["textures"]) > 0,
-        "HAS_SMALL_OBJECTS": plan.small_objects > 0,
     }
+    for constraint in plan.constraints:
+        features |= constraint.features()
     endings = tuple(e for e, has in enumerate((features["HAS_LIGHTS"], features["HAS_EMITTERS"])) if has)
     return CompiledScene(
         mesh,
@@ -181,31 +184,13 @@ def _camera(scene: Scene, centre: np.ndarray, scale: float) -> np.ndarray:
     return record
 
 
-def _objects(objects: Sequence[SceneObject], plan: ConstraintPlan, scale: float) -> np.ndarray:
-    records = np.zeros(len(objects), tables.SCENE_OBJECT)
-    for record, item, weights in zip(records, objects, plan.object_weights, strict=True):
-        record["axes"] = np.asarray(item.axes).ravel()
-        record["inverse_half"] = weights * scale
-        record["small"] = bool(np.any(weights > 0))
-    return records
-
-
-def _portals(plan: ConstraintPlan, centre: np.ndarray, scale: float) -> np.ndarray:
-    records = np.zeros(len(plan.portals), tables.PORTAL)
-    for record, portal in zip(records, plan.portals, strict=True):
-        record["centre"] = (portal.centre - centre) / scale
-        record["normal"], record["axis"] = portal.normal, portal.axis
-        record["half_size"] = np.array(portal.half_size) / scale
-    return records
-
-
-def _targets(plan: ConstraintPlan, objects: Sequence[SceneObject], centre: np.ndarray, scale: float) -> np.ndarray:
-    holes = _portals(plan, centre, scale)
-    records = np.zeros(len(holes) + len(plan.aimed_objects), tables.TARGET)
+def _targets(holes: np.ndarray, objects: Sequence[SceneObject], aimed: Sequence[int], placement: Placement) -> np.ndarray:
+    """What paths are aimed at: all portals, whose records are ``holes``, and some objects."""
+    records = np.zeros(len(holes) + len(aimed), tables.TARGET)
     for name in ("centre", "normal", "axis", "half_size"):
         records[name][: len(holes)] = holes[name]
-    for record, index in zip(records[len(holes) :], plan.aimed_objects, strict=True):
-        record["centre"] = (objects[index].centre - centre) / scale
-        record["half_size"] = objects[index].bounding_radius / scale
+    for record, index in zip(records[len(holes) :], aimed, strict=True):
+        record["centre"] = placement.of(objects[index].centre)
+        record["half_size"] = objects[index].bounding_radius / placement.scale
         record["sphere"] = 1
     return records

@@ -11,7 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..constraints.plan import alpha_of
+from ..constraints.lobes import alpha_of
+from ..constraints.objects import Objects
+from ..constraints.portals import Portals
 from ..device.precision import nominal
 from ..scene import Scene
 from ..scene.lights.light import POINT
@@ -77,9 +79,9 @@ def limits(scene: Scene, compiled: CompiledScene, precision: str) -> list[str]:
             found.append(f"{what}: {value:.2g}, where {good_to}; light may be wrong or missing: use precision '{remedy}'")
 
     scale, plan = compiled.scale, compiled.plan
-    for i, hole in enumerate(plan.portals):
+    for i, hole in enumerate(plan.of(Portals).portals):
         check(f"portal {i} at {_place(hole.centre)} is very small", min(hole.half_size) / scale, "portals")
-    for item, weights in zip(compiled.objects, plan.object_weights, strict=True):
+    for item, weights in zip(compiled.objects, plan.of(Objects).weights, strict=True):
         if np.any(weights > 0):
             shape = scene.shapes[item.shape]
             what = f"'{shape.name or f'shape {item.shape}'}' at {_place(item.centre)} is very small"

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pylmc.constraints.plan import combine
+from pylmc.constraints.combination import combine
 
 from .charts import DEVIATION, NODE, PORTAL, Charts
 from .displaced import Moved
