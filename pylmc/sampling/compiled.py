@@ -14,7 +14,7 @@ import numpy as np
 
 from ..constraints.constraint import Found
 from ..constraints.lobes import NARROW_ALPHA
-from ..constraints.plan import ConstraintPlan, plan_constraints
+from ..constraints.plan import plan_constraints
 from ..device import tables
 from ..device.compiled_scene import CompiledScene
 from ..device.precision import nominal, real_fields
