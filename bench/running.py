@@ -97,13 +97,11 @@ def reference(scene: Scene, depths: Sequence[int], seconds: float, runs: int = 6
         while time.perf_counter() - start < seconds / runs:
             sampler.step(STEPS_PER_LAUNCH)
             sampler.counters()
-        films = [sampler.film.read(slot) @ LUMINANCE for slot in range(len(sampler.groups))]
+        parts = [estimator.read() @ LUMINANCE for estimator in sampler.estimators()]
+        groups = (*sampler.groups, *sampler.dark_groups)
         for depth in depths:
-            total = np.zeros(films[0].shape)
-            for film, group in zip(films, sampler.groups, strict=True):
-                if group.length <= depth:
-                    total += film * (group.b * sampler.film_pixels / (max(group.steps, 1) * group.chains))
-            pictures[depth].append(total * sampler.compiled.radiance_scale)
+            shorter = [part for part, group in zip(parts, groups, strict=True) if group.length <= depth]
+            pictures[depth].append(np.sum(shorter, axis=0))
     return Reference(
         {k: np.mean(p, axis=0) for k, p in pictures.items()}, {k: np.var(p, axis=0, ddof=1) / runs for k, p in pictures.items()}
     )

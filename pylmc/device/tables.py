@@ -194,8 +194,9 @@ def chain_state(max_depth: int, vertex: np.dtype) -> list[Any]:
 
 
 def chain_counters(max_depth: int) -> list[Any]:
-    """What a chain counts: entry 0 of ``proposed`` and ``acceptance`` is the large step, entry m the block of m.
+    """What a chain, or a stream of independent paths, counts.
 
+    Entry 0 of ``proposed`` and ``acceptance`` is the large step, or the independent path; entry m is the block of m.
     ``weight_sum`` and ``weight_square_sum`` are of large steps, in units of the group's b; ``splatted`` is luminance on the
     film, ``trace`` the film position where a launch left the chain.
     """

@@ -57,6 +57,7 @@ class Bidirectional(Integrator):
             np.uint64(self.launches * STEPS_PER_LAUNCH),
             np.int32(steps),
             np.uint32(self.streams),
+            np.uint32(0),
             self._table.buffer,
             self._counters.buffer,
             self.film.buffer,

@@ -44,18 +44,19 @@ class LangevinMonteCarlo(Integrator):
         found = super().variance()
         if found is None:
             return None
-        for estimator, group in zip(self.estimators(), self.sampler.groups, strict=True):
+        for estimator, group in zip(self.estimators(), self.sampler.groups, strict=False):
             # besides the splats' own noise, that of the normalisation, which all batches share
             found = found + (group.b_error / group.b * (estimator.read() @ LUMINANCE)) ** 2
         return found
 
     def note(self) -> dict[str, str]:
-        counted = self.sampler.state.counted
-        return {"acceptance": f"{counted.acceptance.sum() / max(counted.proposed.sum(), 1):.2f}"}
+        chains, counted = self.sampler.chains, self.sampler.state.counted
+        return {"acceptance": f"{counted.acceptance[:chains].sum() / max(counted.proposed[:chains].sum(), 1):.2f}"}
 
     def diagnostics(self) -> dict[str, Any]:
         groups, state = {}, self.sampler.state
-        proposed, acceptance = state.by_group(state.counted.proposed), state.by_group(state.counted.acceptance)
+        counts = (state.counted.proposed, state.counted.acceptance)
+        proposed, acceptance = (state.by_group(count)[: len(state.groups)] for count in counts)
         total_ess, worst_rhat = 0.0, 1.0
         for i, group in enumerate(self.sampler.groups):
             rates = acceptance[i] / np.maximum(proposed[i], 1)
@@ -76,11 +77,15 @@ class LangevinMonteCarlo(Integrator):
                 entry["ess"], entry["rhat"] = round(mixed[0], 1), round(mixed[1], 4)
                 total_ess, worst_rhat = total_ess + mixed[0], max(worst_rhat, mixed[1])
             groups[group.name] = entry
-        b = sum(group.b for group in self.sampler.groups)
-        error = float(np.sqrt(sum(group.b_error**2 for group in self.sampler.groups)))
+        for group in self.sampler.dark_groups:
+            errors = {"b": self._radiance(group.b), "b_error": self._radiance(group.b_error)}
+            groups[group.name] = {"streams": group.chains, **errors}
+        everyone = (*self.sampler.groups, *self.sampler.dark_groups)
+        b = sum(group.b for group in everyone)
+        error = float(np.sqrt(sum(group.b_error**2 for group in everyone)))
         return {
             "groups": groups,
-            "groups_without_light": self.sampler.dark_groups,
+            "groups_without_light": [group.name for group in self.sampler.dark_groups],  # as the start found them
             "b": self._radiance(b),
             "b_error": self._radiance(error),
             "acceptance": round(float(acceptance.sum() / max(proposed.sum(), 1)), 4),

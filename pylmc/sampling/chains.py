@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..device import tables
 from ..device.arrays import Film, Floats, Records
 from ..device.device_scene import DeviceScene
 from .groups import Group
@@ -16,8 +17,9 @@ STEPS_PER_LAUNCH = 32  # so that counters of 32 bits do not overflow, and a laun
 
 
 class Info(NamedTuple):
-    """What chains counted, chains first; columns are moves: 0 the large step, m the block of m directions.
+    """What chains counted, chains first, and after them the streams of independent paths that dark groups have.
 
+    Columns are moves: 0 the large step (a stream's only one), m the block of m directions.
     proposed, acceptance (chains, moves). weight, weight_square (chains,): sums over large steps of I / p_ind and its square.
     splatted (chains,): luminance added to the film. trace (chains, 2): where on the film (x to the right, y down, 0 to 1)
     each chain is now. not_finite, rays (chains,): steps whose density was no number; rays traced.
@@ -48,8 +50,9 @@ class State(NamedTuple):
     who the chains are, and the start's candidates. counted: what the chains have counted in all; settled: up to the last
     whole launch of STEPS_PER_LAUNCH steps, so that sums do not depend on how the steps were asked for. evenness: the
     density's weights over the film, which the start has learnt. steps: how many are done; they name the random numbers,
-    together with ``seed``. origins (chains,): the candidate that each chain started from. dark: names of the groups in
-    which the start found no light. not_finite: candidates whose weight was no number.
+    together with ``seed``. origins (chains,): the candidate that each chain started from. dark: the groups in which the
+    start found no light; independent paths are drawn for them in place of chains' steps, by ``streams``. not_finite:
+    candidates whose weight was no number.
     """
 
     chains: Records
@@ -61,7 +64,8 @@ class State(NamedTuple):
     steps: int
     seed: int
     origins: np.ndarray
-    dark: tuple[str, ...]
+    dark: tuple[Group, ...]
+    streams: Records | None
     not_finite: int
 
     def arrays(self) -> ChainArrays:
@@ -69,8 +73,9 @@ class State(NamedTuple):
         return chain_arrays(self.chains)
 
     def by_group(self, values: np.ndarray) -> np.ndarray:
-        """Sums (groups, ...) of values (chains, ...) over each group's chains."""
-        return np.array([values[group.first : group.first + group.chains].sum(axis=0) for group in self.groups])
+        """Sums (groups, ...) of an Info's values over each group's chains, or streams: groups first, then dark ones."""
+        both = (*self.groups, *self.dark)
+        return np.array([values[group.first : group.first + group.chains].sum(axis=0) for group in both])
 
 
 def begun(
@@ -79,14 +84,30 @@ def begun(
     evenness: Floats,
     seed: int,
     origins: np.ndarray,
-    dark: tuple[str, ...] = (),
+    dark: Sequence[Group] = (),
     not_finite: int = 0,
 ) -> State:
-    """A State of chains that have made no step."""
-    device, count = chains.device, chains.count
-    counters = Records(device, "ChainCounters", count)
+    """A State of chains that have made no step, and of the streams of ``dark`` groups, which are counted after them."""
+    count = chains.count + sum(group.chains for group in dark)
+    counters = Records(chains.device, "ChainCounters", count)
     nothing = _read(counters, np.ones(count))
-    return State(chains, counters, tuple(groups), nothing, nothing, evenness, 0, seed, origins, dark, not_finite)
+    streams = independent_streams(chains.device, dark, len(groups)) if dark else None
+    return State(
+        chains, counters, tuple(groups), nothing, nothing, evenness, 0, seed, origins, tuple(dark), streams, not_finite
+    )
+
+
+def independent_streams(device: DeviceScene, groups: Sequence[Group], first_slot: int) -> Records:
+    """The table from which entry/bdpt.cl draws a stream for each chain of ``groups``, a slot of the film a group."""
+    table = np.zeros(sum(group.chains for group in groups), tables.CHAIN_START)
+    for slot, (part, group) in enumerate(zip(np.split(table, np.cumsum([g.chains for g in groups])), groups, strict=False)):
+        part["length"], part["ending"], part["slot"], part["scale"] = (
+            group.length,
+            group.ending,
+            first_slot + slot,
+            1 / group.unit,
+        )
+    return Records.of(device, "ChainStart", table)
 
 
 def resume(device: DeviceScene, arrays: ChainArrays, groups: Sequence[Group], evenness: np.ndarray, seed: int = 0) -> State:
@@ -111,11 +132,10 @@ def step(state: State, n: int, film: Film, **constants: Any) -> tuple[State, Inf
     chains, counters = state.chains.take(), state.counters.take()
     device, count = chains.device, chains.count
     kernel = device.kernel("entry/chains.cl", "run_chains", **constants)
-    units = np.array([group.unit for group in state.groups])
-    log_units = device.upload_reals(np.log(units))
-    unit_of_chain = np.ones(count)
-    for group, unit in zip(state.groups, units, strict=True):
-        unit_of_chain[group.first : group.first + group.chains] = unit
+    log_units = device.upload_reals(np.log([group.unit for group in state.groups]))
+    units = np.ones(counters.count)
+    for group in (*state.groups, *state.dark):
+        units[group.first : group.first + group.chains] = group.unit
     settled, counted, done = state.settled, state.counted, 0
     while True:
         steps = min(STEPS_PER_LAUNCH - (state.steps + done) % STEPS_PER_LAUNCH, n - done)
@@ -134,8 +154,23 @@ def step(state: State, n: int, film: Film, **constants: Any) -> tuple[State, Inf
             np.int32(film.pixels),
             evenness=state.evenness.buffer,
         )
+        if state.streams is not None:
+            device.launch(
+                device.kernel("entry/bdpt.cl", "render_independent"),
+                state.streams.count,
+                np.uint32(state.seed),
+                np.uint64(state.steps + done),
+                np.int32(steps),
+                np.uint32(state.streams.count),
+                np.uint32(count),
+                state.streams.buffer,
+                counters.buffer,
+                film.buffer,
+                np.int32(film.pixels),
+                evenness=state.evenness.buffer,
+            )
         done += steps
-        counted = settled + _read(counters, unit_of_chain)
+        counted = settled + _read(counters, units)
         if steps and (state.steps + done) % STEPS_PER_LAUNCH == 0:
             settled = counted
             counters.clear()

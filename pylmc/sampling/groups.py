@@ -15,7 +15,13 @@ class Group:
 
     ``log_weights`` (n,) and ``positions`` on the film (n, 2) are those of the start's candidates. ``weight_sum`` and
     ``weight_square_sum`` add I / p_ind over ``weighed`` independent paths, so b is their mean. ``not_finite`` counts
-    candidates that were drawn but whose weight is no number; they count as paths without light.
+    candidates that were drawn but whose weight is no number; they count as paths without light. ``unit``: what weights are
+    counted in on a device, for their squares must not overflow.
+
+    A group of which the start found no path has independent paths drawn in place of chains' steps, with b their mean weight
+    times ``share``. With n_0 candidates and n_1 large steps a group's b is the sum of their weights over n_0 + n_1; where
+    the n_0 had none, n_1 / (n_0 + n_1) of the mean weight is what the others' would have been, so that b is right on
+    average over starts. Without the share it would be too large, and too small without the group.
     """
 
     length: int
@@ -30,6 +36,8 @@ class Group:
     chains: int = 0
     steps: int = 0
     not_finite: int = 0
+    unit: float = 1.0
+    share: float = 1.0
 
     def settle(self) -> None:
         """Set the sums from the candidates' weights."""
@@ -40,11 +48,6 @@ class Group:
         self.weight_sum, self.weight_square_sum = float(weights.sum()), float((weights**2).sum())
 
     @property
-    def unit(self) -> float:
-        """What weights are counted in on a device: b, or one where that is zero."""
-        return self.b or 1.0
-
-    @property
     def name(self) -> str:
         """As shown to people: length and ending."""
         return f"{self.length} {ENDINGS[self.ending]}"
@@ -52,10 +55,10 @@ class Group:
     @property
     def b(self) -> float:
         """The integral of the density over this group, in scaled units."""
-        return self.weight_sum / max(self.weighed, 1)
+        return self.share * self.weight_sum / max(self.weighed, 1)
 
     @property
     def b_error(self) -> float:
         """Standard error of b."""
         n = max(self.weighed, 2)
-        return float(np.sqrt(max(self.weight_square_sum / n - self.b**2, 0) / n))
+        return float(self.share * np.sqrt(max(self.weight_square_sum / n - (self.weight_sum / n) ** 2, 0) / n))

@@ -51,7 +51,7 @@ class Sampler:
         self.device_scene = DeviceScene(self.compiled, self.settings, device, precision)
         self.seconds = {"build": time.perf_counter() - begin, "bootstrap": 0.0}
         self.groups: list[Group] = []
-        self.dark_groups: list[str] = []  # those in which the start found no light
+        self.dark_groups: list[Group] = []  # those in which the start found no light
         self._state: State | None = None
         self._film: Film | None = None
         self._counted: Info | None = None  # since counters() was last called
@@ -115,8 +115,8 @@ class Sampler:
         """Start ``chains`` chains in their density: resample the candidates in proportion to their weights.
 
         ``chains`` and ``candidates`` are those of the settings if not given here. The chains
-        are shared out among the groups in proportion to b; a group in which no light was found has none. The
-        same seed gives the same chains. Returns the groups.
+        are shared out among the groups in proportion to b; a group in which no light was found has independent paths drawn
+        in their place, and is one of ``dark_groups``. The same seed gives the same chains. Returns the other groups.
         """
         seed = check_integer("seed", seed, 0, 2**32 - 1)
         if chains is None:
@@ -137,8 +137,8 @@ class Sampler:
         """Go on with ``state``, which belongs to this sampler's device scene, and an empty film."""
         camera = self.scene.camera
         self._state, self._counted, self._untold_not_finite = state, None, state.not_finite
-        self.groups, self.dark_groups = [copy(group) for group in state.groups], list(state.dark)
-        self._film = Film(self.device_scene, len(self.groups), camera.height, camera.width)
+        self.groups, self.dark_groups = ([copy(group) for group in some] for some in (state.groups, state.dark))
+        self._film = Film(self.device_scene, len(state.groups) + len(state.dark), camera.height, camera.width)
 
     def step(self, n: int = STEPS_PER_LAUNCH, **constants: Any) -> None:
         """Advance every chain by ``n`` steps and wait; large steps refine each group's b.
@@ -150,13 +150,15 @@ class Sampler:
         self._counted = info if self._counted is None else self._counted + info
         state = self.state
         sums = (state.by_group(x) for x in (state.counted.proposed[:, 0], state.counted.weight, state.counted.weight_square))
-        for group, begun, large, weight, square in zip(self.groups, state.groups, *sums, strict=True):
+        now, then = (*self.groups, *self.dark_groups), (*state.groups, *state.dark)
+        for group, begun, drawn, weight, square in zip(now, then, *sums, strict=True):
             group.steps += n
-            group.weighed = begun.weighed + int(large)
-            group.weight_sum, group.weight_square_sum = (
-                begun.weight_sum + float(weight),
-                begun.weight_square_sum + float(square),
-            )
+            group.weighed = begun.weighed + int(drawn)
+            group.weight_sum = begun.weight_sum + float(weight)
+            group.weight_square_sum = begun.weight_square_sum + float(square)
+        for group, begun in zip(self.dark_groups, state.dark, strict=True):
+            large = self.settings.large_steps * group.steps * group.chains  # those that chains would have made
+            group.weighed, group.share = group.weighed - begun.weighed, large / (begun.weighed + large)
 
     def counters(self) -> Counters:
         """What the chains counted since the last call.
@@ -169,14 +171,16 @@ class Sampler:
         info, self._counted = self._counted, None
         not_finite = int(info.not_finite.sum()) + self._untold_not_finite
         self._untold_not_finite = 0
-        return Counters(info.proposed, info.acceptance, info.trace, not_finite, int(info.rays.sum()))
+        proposed, acceptance, trace = (of_all[: self.chains] for of_all in (info.proposed, info.acceptance, info.trace))
+        return Counters(proposed, acceptance, trace, not_finite, int(info.rays.sum()))
 
     def estimators(self) -> list[Estimator]:
-        """The picture's parts: one for each group, whose films the chains splat into."""
-        unit = self.film_pixels * self.compiled.radiance_scale
+        """The picture's parts: one for each group, the dark ones after the others."""
+        scale = self.film_pixels * self.compiled.radiance_scale
+        units = [group.b for group in self.groups] + [group.share * group.unit for group in self.dark_groups]
         return [
-            Estimator(group.name, self.film.slot(slot), group.b * unit, group.steps * group.chains)
-            for slot, group in enumerate(self.groups)
+            Estimator(group.name, self.film.slot(slot), unit * scale, group.steps * group.chains)
+            for slot, (group, unit) in enumerate(zip((*self.groups, *self.dark_groups), units, strict=True))
         ]
 
     def image(self) -> np.ndarray:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..device import tables
@@ -15,6 +17,7 @@ from .groups import Group
 CANDIDATES_PER_LAUNCH = 1 << 17
 PILOT_FROM = 1 << 31  # numbers of the pilot's paths, beyond those of any start's candidates
 FEWEST = 8  # chains of a group
+DARK_UNIT = 1e-4  # of all light: what the weights of a group are counted in of which nothing is known
 
 
 def path_groups(device: DeviceScene) -> list[Group]:
@@ -74,42 +77,62 @@ def check_found(groups: list[Group], candidates: int, max_depth: int) -> None:
         )
 
 
-def pilot_evenness(device: DeviceScene, candidates: int) -> np.ndarray:
-    """The density's weights (GRID, GRID) by a rough picture, the same one whatever the seed; ones where settings say so.
+class Pilot(NamedTuple):
+    """What a start must know beforehand, from paths that are none of its own, the same ones whatever the seed.
 
-    Its paths are none of the start's: weights fitted to the candidates that they then weigh would come out too low, and b
-    with them.
+    evenness: the density's weights (GRID, GRID) over the film, by a rough picture; ones where settings say so. Fitted to
+    the candidates that they then weigh they would come out too low, and b with them. shares: each group's part of the
+    light. Shares by the start's own candidates would give a group the fewer large steps the less light these found.
     """
-    if not device.settings.even:
-        return np.ones((GRID, GRID), np.float32)
+
+    evenness: np.ndarray
+    shares: np.ndarray
+
+
+def pilot(device: DeviceScene, candidates: int, evenness: np.ndarray | None = None) -> Pilot:
+    """From a quarter of a start's ``candidates``. ``evenness``: weights of one's own."""
     groups = weigh(device, max(candidates // 4, 1), 0, numbers_from=PILOT_FROM)
-    positions = np.concatenate([group.positions for group in groups])
-    return even_weights(positions, np.concatenate([np.exp(group.log_weights) for group in groups]))
+    weights = [np.exp(group.log_weights) for group in groups]
+    if evenness is None:
+        positions = np.concatenate([group.positions for group in groups])
+        even = device.settings.even
+        evenness = even_weights(positions, np.concatenate(weights)) if even else np.ones((GRID, GRID), np.float32)
+    light = np.zeros(len(groups))
+    for i, (group, weight) in enumerate(zip(groups, weights, strict=True)):
+        found = weight > 0
+        x, y = np.minimum((group.positions[found] * GRID).astype(int), GRID - 1).T
+        light[i] = (weight[found] * evenness[y, x]).sum()
+    total = light.sum()
+    return Pilot(evenness, light / total if total > 0 else np.full(len(groups), 1 / len(groups)))
 
 
 def start(device: DeviceScene, seed: int, chains: int, candidates: int, evenness: np.ndarray | None = None) -> State:
     """``chains`` chains in their density: candidates, resampled in proportion to their weights.
 
-    Chains are shared out among the groups in proportion to b; a group in which no light was found has none and is named in
-    the state's ``dark``. ``evenness``: weights (GRID, GRID) of the density over the film; None: the pilot's. The same seed
-    gives the same chains. Raises PylmcError if no path carries light.
+    Chains are shared out among the groups in proportion to b, as a pilot found it. A group in which the candidates found no
+    light has streams of independent paths in place of its chains. ``evenness``: weights (GRID, GRID) of the density over
+    the film; None: the pilot's. The same seed gives the same chains. Raises PylmcError if no path carries light.
     """
-    weights = Floats(device, pilot_evenness(device, candidates) if evenness is None else evenness)
+    known = pilot(device, candidates, evenness)
+    weights = Floats(device, known.evenness)
     weighed = weigh(device, candidates, seed, weights)
     check_found(weighed, candidates, device.settings.max_depth)
-    groups = [group for group in weighed if group.weight_sum > 0]
+    for group, share in zip(weighed, known.shares, strict=True):
+        group.chains = max(round(chains * share), FEWEST)
+    groups, dark = [g for g in weighed if g.weight_sum > 0], [g for g in weighed if not g.weight_sum > 0]
     total = sum(group.b for group in groups)
-    rng = np.random.default_rng([seed, 1])
-    starts, first = [], 0
-    for slot, group in enumerate(groups):
-        group.first, group.chains = first, max(round(chains * group.b / total), FEWEST)
-        starts.append(_resampled(group, slot, rng))
+    first = 0
+    for group in (*groups, *dark):
+        group.first, group.unit = first, group.b or DARK_UNIT * total
         first += group.chains
-    states = Records(device, "ChainState", first)
+    rng = np.random.default_rng([seed, 1])
+    starts = [_resampled(group, slot, rng) for slot, group in enumerate(groups)]
     table = Records.of(device, "ChainStart", np.concatenate(starts))
+    states = Records(device, "ChainState", table.count)
     kernel = device.kernel("entry/bootstrap.cl", "start_chains")
-    device.launch(kernel, first, np.uint32(seed), np.uint32(first), table.buffer, states.buffer, evenness=weights.buffer)
-    dark = tuple(group.name for group in weighed if not group.weight_sum > 0)
+    device.launch(
+        kernel, table.count, np.uint32(seed), np.uint32(table.count), table.buffer, states.buffer, evenness=weights.buffer
+    )
     origins = np.concatenate([part["number"] for part in starts])
     return begun(states, groups, weights, seed, origins, dark, sum(group.not_finite for group in weighed))
 
