@@ -129,6 +129,7 @@ def render(
         f"{worker.unit}_per_second": worker.done / spent if spent else 0.0,
         **worker.diagnostics(),
         "mean_luminance": float((image @ LUMINANCE).mean()),
+        "mean_luminance_error": worker.mean_error(),
         "relative_error": relative_error(image, variance),
         "seconds": {
             "build": sampler.seconds["build"],

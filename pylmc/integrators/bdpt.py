@@ -12,6 +12,7 @@ from ..device.arrays import Film, Records
 from ..picture.estimators import Estimator
 from ..sampling.chains import STEPS_PER_LAUNCH
 from ..sampling.groups import Group
+from ..sampling.mean_error import variance_of_mean
 from .integrator import Integrator
 
 STREAMS_CPU, STREAMS_GPU = 4096, 65536
@@ -43,7 +44,7 @@ class Bidirectional(Integrator):
         self.streams = first
         self.scales = np.array([part["scale"][0] for part in parts], dtype=np.float64)
         self._table = Records.of(device, "ChainStart", np.concatenate(parts))
-        self._counters = Records(device, "ChainCounters", first)
+        self._counters, self._splatted = Records(device, "ChainCounters", first), np.zeros(first)
         self.film = Film(device, len(self.groups), camera.height, camera.width)
         self._kernel = device.kernel("entry/bdpt.cl", "render_independent")
         with device.compiling():
@@ -68,6 +69,7 @@ class Bidirectional(Integrator):
         self._launch(STEPS_PER_LAUNCH)
         counts = self._counters.read()
         self._counters.clear()
+        self._splatted += counts["splatted"]
         self.rays += int(counts["rays"].sum(dtype=np.int64))
         self.not_finite += int(counts["not_finite"].sum(dtype=np.int64))
         self.done += self.streams * STEPS_PER_LAUNCH
@@ -78,6 +80,14 @@ class Bidirectional(Integrator):
             Estimator(group.name, self.film.slot(slot), unit / scale, group.chains * STEPS_PER_LAUNCH * self.launches)
             for slot, (group, scale) in enumerate(zip(self.groups, self.scales, strict=True))
         ]
+
+    def mean_error(self) -> float | None:
+        if not self.launches:
+            return None
+        streams = np.split(self._splatted, np.cumsum([group.chains for group in self.groups])[:-1])
+        steps = STEPS_PER_LAUNCH * self.launches
+        parts = (variance_of_mean(some) / (scale * steps) ** 2 for some, scale in zip(streams, self.scales, strict=True))
+        return float(np.sqrt(sum(parts))) * self.sampler.compiled.radiance_scale
 
     def diagnostics(self) -> dict[str, Any]:
         scale = self.sampler.compiled.radiance_scale

@@ -43,6 +43,10 @@ class Integrator(ABC):
     def diagnostics(self) -> dict[str, Any]:
         """What OUT.json tells of this integrator."""
 
+    @abstractmethod
+    def mean_error(self) -> float | None:
+        """The standard error of the picture's mean luminance, or None where it is too early to tell."""
+
     def note(self) -> dict[str, str]:
         """A few words for the progress bar."""
         return {}

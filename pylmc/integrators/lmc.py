@@ -10,6 +10,7 @@ import pyopencl as cl
 from ..colour import LUMINANCE
 from ..picture.estimators import Estimator
 from ..sampling.chains import STEPS_PER_LAUNCH
+from ..sampling.mean_error import mean_variance
 from ..sampling.traces import Trace
 from .integrator import Integrator
 
@@ -48,6 +49,10 @@ class LangevinMonteCarlo(Integrator):
             # besides the splats' own noise, that of the normalisation, which all batches share
             found = found + (group.b_error / group.b * (estimator.read() @ LUMINANCE)) ** 2
         return found
+
+    def mean_error(self) -> float | None:
+        variance = mean_variance(self.sampler.state)
+        return None if variance is None else self._radiance(np.sqrt(variance))
 
     def note(self) -> dict[str, str]:
         chains, counted = self.sampler.chains, self.sampler.state.counted

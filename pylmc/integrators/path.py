@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from ..colour import LUMINANCE
 from ..device.arrays import Records
 from ..picture.estimators import Estimator
+from ..picture.statistics import BatchMeans
 from .integrator import Integrator
 
 PIXELS_PER_LAUNCH = 1 << 18  # keeps a launch short on large films, for the progress bar and Ctrl-C
@@ -40,6 +42,7 @@ class PathTracer(Integrator):
         with device.compiling():
             self._launch(0, 1, 0)
         self.film = _Sum(self.sampler.scene.camera.height, self.sampler.scene.camera.width)
+        self._means = BatchMeans()  # of passes' luminance: they are independent
 
     def _launch(self, first: int, count: int, passes: int) -> None:
         self.sampler.device_scene.launch(
@@ -60,7 +63,9 @@ class PathTracer(Integrator):
         for first in range(0, pixels, PIXELS_PER_LAUNCH):
             self._launch(first, min(PIXELS_PER_LAUNCH, pixels - first), 1)
         # a pass at a time: the device's float32 sums lose digits as they grow
-        self.film.sum += device.read_reals(self._film, self.film.sum.shape)
+        passed = device.read_reals(self._film, self.film.sum.shape)
+        self.film.sum += passed
+        self._means.add((passed @ LUMINANCE).mean(), 1)
         device.clear(self._film)
         counts = self._counters.read()
         self._counters.clear()
@@ -70,6 +75,10 @@ class PathTracer(Integrator):
 
     def estimators(self) -> list[Estimator]:
         return [Estimator("path", self.film, self.sampler.compiled.radiance_scale, self.launches)]
+
+    def mean_error(self) -> float | None:
+        variance = self._means.variance_of_mean()
+        return None if variance is None else float(np.sqrt(variance)) * self.sampler.compiled.radiance_scale
 
     def note(self) -> dict[str, str]:
         return {"passes": str(self.launches)}
