@@ -13,11 +13,6 @@
 #include "charts/deviation_chart.cl"
 #include "references/references.cl"
 
-#define KIND_PROJECTION 0
-#define KIND_DEVIATION 1
-#define KIND_NODE 2
-#define KIND_PORTAL 3  // and upwards: KIND_PORTAL + i is portal i
-
 typedef struct {
     int kind;
     real3 anchor;  // c; or the reference direction s; or v_1

@@ -5,8 +5,6 @@
 #include "path/chain_state.cl"
 #include "path/film.cl"
 
-#define PURPOSE_BDPT 2u
-
 PATH_KERNEL void render_independent(SCENE_PARAMETERS, uint seed, ulong first_step, int steps, uint streams, uint first,
                                     __global const ChainStart *groups, __global ChainCounters *counters,
                                     __global volatile uint *film, int film_pixels) {

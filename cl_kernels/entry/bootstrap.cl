@@ -3,8 +3,6 @@
 #include "entry/path_kernel.cl"
 #include "path/chain_state.cl"
 
-#define PURPOSE_BOOTSTRAP 0u
-
 // log(I / p_ind); LOG_ZERO where the draw comes to nothing, NaN where a density of a path that was drawn is not a number.
 real log_path_weight(Scene *scene, uint seed, uint group, uint number, int length, int ending, Path *path, Radiance *radiance,
                      real *log_p) {

@@ -3,7 +3,6 @@
 #include "entry/path_kernel.cl"
 #include "path/integrand.cl"
 
-#define PURPOSE_PATH 3u
 #define ROULETTE_FROM 4
 
 // Light that reaches the vertex straight from a light without area, as seen from w_i.

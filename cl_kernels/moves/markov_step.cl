@@ -6,11 +6,9 @@
 #include "path/chain_state.cl"
 #include "moves/small_step.cl"
 
-#define PURPOSE_CHAIN 1u
-
 typedef struct {
     int move;     // 0: a large step; m: a small one of the block m
-    int outcome;  // STEP_OK, ...
+    int outcome;  // STEP_OK, ... (pylmc/device/tables.py)
     real h;
     real xi[COLUMNS];   // the small step's normal numbers
     real log_forward;   // log p(X^|X), as propose_small or log_independent_density gives it; NAN without a proposal

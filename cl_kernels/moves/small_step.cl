@@ -8,10 +8,6 @@
 #include "moves/blocks.cl"
 #include "constraints/preconditioner.cl"
 
-#define STEP_OK 0
-#define STEP_NO_PATH 1     // the proposal carries no light
-#define STEP_NOT_FINITE 2  // a density came out as NaN or infinity: rejected, and counted
-
 // Move directions 1 .. m of x by delta and trace; y is the new path. p, p_new: frames at v_1 and v^_1. The sum of the
 // charts' log dsigma/ddelta comes back by pointer.
 bool displaced_path(Scene *scene, const Path *x, int m, const real *delta, const Chart *charts, real3 p, real3 *p_new, Path *y,

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pyopencl as cl
 
-from ..errors import PylmcError
+from ..errors import PylmcError, PylmcWarning
+from .tables import FILM_SCALE
 
 if TYPE_CHECKING:
     from .device_scene import DeviceScene
 
-FILM_SCALE = 2.0**24  # of film.cl
 FILM_WORD = np.dtype("<u8")
+FULL = np.uint64(0xFFFFFFFF << 32)  # a cell from here on counts no further
 
 
 class Records:
@@ -73,6 +75,7 @@ class Film:
     def __init__(self, device: DeviceScene, slots: int, height: int, width: int) -> None:
         self.device, self.slots, self.shape = device, slots, (height, width, 3)
         self.buffer = device.zeros(slots * height * width * 3 * FILM_WORD.itemsize)
+        self._warned = False
 
     @property
     def pixels(self) -> int:
@@ -86,8 +89,19 @@ class Film:
         return words
 
     def read(self, slot: int) -> np.ndarray:
-        """One picture's sum (height, width, 3), float64: large films do not fit into memory several times over."""
+        """One picture's sum (height, width, 3), float64: large films do not fit into memory several times over.
+
+        Warns once if a cell is full.
+        """
         words = self.words(slot)
+        if not self._warned and np.any(words >= FULL):
+            self._warned = True
+            warnings.warn(
+                f"{np.any(words >= FULL, axis=2).sum()} pixels of the film are full and come out too dark: their light comes "
+                "in few, enormous splats; use integrator 'lmc', whose splats are of one size, or give the lights a size",
+                PylmcWarning,
+                stacklevel=2,
+            )
         return np.divide(words, FILM_SCALE, out=words.view(np.float64))
 
     def slot(self, slot: int) -> FilmSlot:

@@ -131,6 +131,7 @@ class DeviceScene:
                 **features,
                 **self.settings.defines(),
                 "HAS_DEVIATION": deviates,
+                "FILM_SCALE": tables.FILM_SCALE,
                 "EVENNESS_GRID": len(self.compiled.arrays["evenness"]),
                 **extra,
             }

@@ -111,6 +111,12 @@ SCENE_STRUCTS = {
 ENDINGS = ("connect", "hit")  # how a path ends: joined to a light without area, or on an emitter
 PLACES = ("surface", "pinhole", POINT, INFINITY)  # what a node is: met by rays, or a path's start or end that no ray can meet
 
+PURPOSES = ("bootstrap", "chain", "bdpt", "path")  # what random numbers are for: streams of their own
+CHART_KINDS = ("projection", "deviation", "node", "portal")  # and upwards: the last one's number + i is portal i
+# What came of a step's proposal: it may be taken; it carries no light; a density is NaN or infinite: rejected, and counted.
+OUTCOMES = ("ok", "no_path", "not_finite")
+FILM_SCALE = 2.0**24  # of the film's fixed point to the unit: values near 1 keep all of a float's digits
+
 
 def lobe_record(kinds: Iterable[type[Lobe]]) -> list[Any]:
     """The record of a lobe in a scene with these kinds: what all have, and each kind's parameters once."""
@@ -142,7 +148,16 @@ def scene_macros() -> dict[str, str]:
 def enumerations() -> dict[str, int]:
     """Every number that has a name on both sides: NAME_OF_GROUP and NAME_OF_MEMBER in capitals."""
     lobes = [kind.name for kind in KINDS]
-    groups = {"ENDING": ENDINGS, "PLACE": PLACES, "LOBE": lobes, "REFERENCE": REFERENCES, "LIGHT": _LIGHTS}
+    groups = {
+        "ENDING": ENDINGS,
+        "PLACE": PLACES,
+        "LOBE": lobes,
+        "REFERENCE": REFERENCES,
+        "LIGHT": _LIGHTS,
+        "PURPOSE": PURPOSES,
+        "KIND": CHART_KINDS,
+        "STEP": OUTCOMES,
+    }
     return {f"{group}_{name.upper()}": i for group, names in groups.items() for i, name in enumerate(names)}
 
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 from studies.probes import build_probe
 
 import pylmc
-from pylmc.device.arrays import FILM_SCALE, Film
+from pylmc.device.arrays import FULL, Film
 from pylmc.device.device_scene import DeviceScene
+from pylmc.device.tables import FILM_SCALE
 from pylmc.sampling.compiled import compile_scene
 from pylmc.settings import Settings
 
@@ -32,8 +35,8 @@ def device() -> DeviceScene:
     return DeviceScene(compile_scene(pylmc.load("box").with_size(8, 8)), Settings(max_depth=2))
 
 
-def add(device: DeviceScene, pixels: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """The film (PIXELS, 3) of 64-bit words after concurrent additions."""
+def filled(device: DeviceScene, pixels: np.ndarray, values: np.ndarray) -> Film:
+    """A film of PIXELS pixels after concurrent additions."""
     kernel = build_probe(device, SOURCE, "probe_film")
     film = Film(device, 1, 1, PIXELS)
     device.launch(
@@ -44,7 +47,12 @@ def add(device: DeviceScene, pixels: np.ndarray, values: np.ndarray) -> np.ndarr
         device.upload(values.astype(np.float32)),
         film.buffer,
     )
-    return film.words(0)[0]
+    return film
+
+
+def add(device: DeviceScene, pixels: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """The film (PIXELS, 3) of 64-bit words after concurrent additions."""
+    return filled(device, pixels, values).words(0)[0]
 
 
 def exact(pixels: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -86,6 +94,24 @@ def test_nothing_and_nan_leave_the_film_alone(device: DeviceScene) -> None:
     film = add(device, np.array([1, 2]), values)
     assert not film[[0, 1, 3, 4]].any()
     assert np.array_equal(film[2] / FILM_SCALE, [1, 2, 3])
+
+
+@pytest.mark.parametrize("splat", [2.0**38, 2.0**39 + 2.0**31, 2.0**41, 3e38, np.inf])
+def test_a_full_cell_stays_full_and_is_told_once(device: DeviceScene, splat: float) -> None:
+    """2^64 and more does not wrap, whether it comes in one splat or in several; other cells are exact."""
+    n = 64
+    pixels, values = np.tile([1, 2], n), np.tile([[1.0, splat, 0.0], [1.0, 2.0, 3.0]], (n, 1))
+    film = filled(device, pixels, values)
+    words = film.words(0)[0]
+    assert words[1, 1] >= FULL
+    words[1, 1] = 0
+    assert np.array_equal(words / FILM_SCALE, np.array([[0, 0, 0], [n, 0, 0], [n, 2 * n, 3 * n], [0, 0, 0], [0, 0, 0]]))
+    with pytest.warns(pylmc.PylmcWarning, match=r"^1 pixels of the film are full and come out too dark"):
+        film.read(0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert film.read(0)[0, 1, 1] >= 2.0**40 - 2.0**8
+        Film(device, 1, 1, PIXELS).read(0)
 
 
 @pytest.mark.parametrize("integrator", ["lmc", "bdpt", "path"])
