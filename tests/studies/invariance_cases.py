@@ -14,11 +14,13 @@ from pylmc.scene import Camera, Diffuse, PointLight, RoughConductor, Scene, Shap
 from pylmc.scene.loading import load
 from pylmc.settings import CONSTRAINTS
 from studies.invariance import Outcome, Start, move
+from studies.probes import spotlit_scene, sunlit_scene, varnished_scene
 
 ALPHA = 1e-4  # of a configuration, Šidák-corrected over its tests
 FAULTY = 1e-9  # a negative control's smallest p-value must be below
 FILM = 12  # pixels per side
 STEPS = 40
+MADE = {"varnished": varnished_scene, "spotlit": spotlit_scene, "sunlit": sunlit_scene}
 LONG_STEPS = {"step_length": (0.2, 1.0)}  # of the chart's units: long enough to leave the start, and to notice curvature
 
 
@@ -66,6 +68,8 @@ def start(name: str, precision: str = "single", seed: int = 101) -> Start:
     """The two samples of a scene's target: luminance evened out over the film, luminance alone (glints), or skewed."""
     if name == "box":
         return Start(load("box").with_size(FILM, FILM), precision=precision, max_depth=4, candidates=1 << 18, seed=seed)
+    if name in MADE:
+        return Start(MADE[name]().with_size(FILM, FILM), precision=precision, max_depth=4, candidates=1 << 18, seed=seed)
     if name == "skewed":
         x, y = np.meshgrid(np.linspace(0, 1, GRID), np.linspace(0, 1, GRID))
         weights = np.exp(2.5 * (x + y)).astype(np.float32)  # 150 times as much at the lower right as at the upper left
@@ -155,13 +159,16 @@ OTHERS = [
     *(
         Case(
             f"without {kind}",
-            {"lobes": "keyhole", "portals": "keyhole", "objects": "glints", "normals": "caustic"}[kind],
+            {"portals": "keyhole", "objects": "glints", "normals": "caustic", "cones": "spotlit"}.get(kind, "keyhole"),
             {"constraints": tuple(k for k in CONSTRAINTS if k != kind)},
         )
         for kind in CONSTRAINTS
     ),
     Case("reduced differentials, drift", "caustic", {"differentials": "reduced", "drift": True}),
     Case("box, paths of up to 4 segments", "box", {}),
+    Case("plastic, drift", "varnished", {"drift": True}),
+    Case("two lights, one of them a spot", "spotlit", {}),
+    Case("light from infinity and a point", "sunlit", {"coordinates": "deviation", "drift": True}),
     Case("mixed precision, drift", "caustic", {"drift": True}, "mixed"),
     Case("double precision, drift", "skewed", {"drift": True}, "double"),
 ]
