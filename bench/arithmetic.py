@@ -9,7 +9,6 @@ the vectors only: medians over the rounds.
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -19,10 +18,12 @@ from unittest.mock import patch
 import numpy as np
 
 import pylmc
-from bench.running import prepared
 from pylmc.device import program, survey
 from pylmc.integrators import INTEGRATORS
 from pylmc.sampling.sampler import Sampler
+
+from .report import arguments, circumstances, table_head, words
+from .running import prepared
 
 FUNCTIONS = tuple(
     line for name in ("exp", "log", "sin", "cos") for line in (f"#undef {name}\n", f"#define {name} {name}_float\n")
@@ -35,6 +36,7 @@ VECTORS = (
 )
 VARIANTS = {"built-in": (*FUNCTIONS, *VECTORS), "own vectors": FUNCTIONS, "own": ()}
 SCENES = ("keyhole", "glints", "caustic", "box")
+HEADER = table_head("scene", "integrator", "built-in [ns]", "own vectors", "own")
 SIZE, DEPTH = 64, 6
 ADVANCES = 4  # of a worker, to one measurement
 
@@ -78,18 +80,18 @@ def measured(scene: str, integrator: str, device: str, rounds: int) -> dict[str,
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = arguments(__doc__, device=False)
     parser.add_argument("--rounds", type=int, default=15, help="measurements of each (default 15)")
     parser.add_argument("--scenes", nargs="+", default=SCENES, choices=SCENES)
     parser.add_argument("--integrators", nargs="+", default=["lmc"], choices=list(INTEGRATORS))
     args = parser.parse_args()
-    print("| device | scene | integrator | built-in [ns] | own vectors | own |\n|---|---|---|---|---|---|", flush=True)
-    for index, info in enumerate(survey.usable()):
+    for index in range(len(survey.usable())):
+        print(f"{words(circumstances(str(index)))}\n\n{HEADER}", flush=True)
         for scene in args.scenes:
             for integrator in args.integrators:
                 found = measured(scene, integrator, str(index), args.rounds)
                 ratios = " | ".join(f"{ratio:.2f}" for _, ratio in list(found.values())[1:])
-                print(f"| {info.label} | {scene} | {integrator} | {found['built-in'][0]:.0f} | {ratios} |", flush=True)
+                print(f"| {scene} | {integrator} | {found['built-in'][0]:.0f} | {ratios} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,6 @@ last columns are ratios to the first method. Writes out/equal_time.json and .md,
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -23,6 +22,8 @@ import numpy as np
 
 import pylmc
 from pylmc.picture.metrics import metrics
+
+from .report import Report, arguments, table_head
 
 METHODS: dict[str, dict[str, Any]] = {
     "lmc, target charts": {},
@@ -72,10 +73,7 @@ def run_case(case: dict[str, float], args: argparse.Namespace, folder: Path) -> 
     return rows
 
 
-HEADER = (
-    "| hole | roughness | method | relMSE | trimmed | ratio | ratio, trimmed | mutations or samples/s |\n"
-    "|---|---|---|---|---|---|---|---|"
-)
+HEADER = table_head("hole", "roughness", "method", "relMSE", "trimmed", "ratio", "ratio, trimmed", "mutations or samples/s")
 
 
 def line(row: dict[str, Any]) -> str:
@@ -88,20 +86,18 @@ def line(row: dict[str, Any]) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = arguments(__doc__, "out/equal_time")
     parser.add_argument("--seconds", type=float, default=30, help="run time of each render (default 30)")
     parser.add_argument("--reference", type=float, default=300, help="run time of the whole reference (default 300)")
     parser.add_argument("--seeds", type=int, default=3, help="renders per method (default 3)")
     parser.add_argument("--size", type=int, default=256, help="pixels per side (default 256)")
     parser.add_argument("--max-depth", type=int, default=6, help="segments of the longest path (default 6)")
-    parser.add_argument("--device", default=None, help="as for pylmc render")
-    parser.add_argument("--out", type=Path, default=Path("out/equal_time"), help="folder for the results")
     args = parser.parse_args()
-    args.out.mkdir(parents=True, exist_ok=True)
+    report = Report(args.out, args.device, pictures=False)
     print(HEADER, flush=True)
     rows = [row for case in CASES for row in run_case(case, args, args.out)]
-    (args.out / "equal_time.json").write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
-    (args.out / "equal_time.md").write_text("\n".join([HEADER, *map(line, rows)]) + "\n", encoding="utf-8")
+    report.json("equal_time", rows)
+    report.markdown("equal_time", "\n".join([HEADER, *map(line, rows)]))
 
 
 if __name__ == "__main__":

@@ -1,12 +1,12 @@
 """What each precision does at the extremes: NaN, bias, acceptance, and where it gives up.
 
-    python -m bench.extremes                     every axis of bench.extreme_scenes, about 15 minutes on two cores
+    python -m bench.extremes                     every axis of tests/studies/extreme_scenes.py, about 15 minutes on two cores
     python -m bench.extremes --quick             each axis at its two ends, with less work
     python -m bench.extremes --only hole         one axis
 
 Each cell (a value in a precision) is measured with independent seeds and judged against a double-precision reference with
-seeds of its own (see bench.extreme_cells for the tests); the row ``double`` is that judgement's own control. A mode has
-**given up** at a cell, by the first of these that holds:
+seeds of its own (see tests/studies/extreme_cells.py for the tests); the row ``double`` is that judgement's own control. A mode
+has **given up** at a cell, by the first of these that holds:
 
 =========  =============================================================================================================
 refused    it says so beforehand, in a message (memory, numbers beyond its range, ...)
@@ -23,38 +23,22 @@ Writes extremes.json, extremes.png and table.md into ``--out``.
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import time
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from studies.extreme_cells import Z_LIMIT, Cell, acceptance, bias, run, summed, verdict
+from studies.extreme_scenes import AXES, Axis
 
 from pylmc import PylmcError
 
-from .extreme_cells import Cell, acceptance, bias, run, summed
-from .extreme_scenes import AXES, Axis
 from .extremes_report import markdown, picture
+from .report import Report, arguments
 
-Z_LIMIT = 4.1  # two-sided, alpha = 0.01 over 250 cells
-STUCK, FILM_LOSS = 0.01, 1e-3
 PRECISIONS = ("single", "mixed", "double")
 LARGE_FILM = 1 << 20  # pixels: one seed is enough to see whether it works
 SEEDS, CANDIDATES, CHAINS = 4, 1 << 16, 2048
-
-
-def verdict(cell: Cell, judged: dict[str, Any], small_acceptance: float) -> str:
-    """Why a mode has given up at a cell; empty where it has not."""
-    if cell.refused:
-        return "dark" if cell.refused.startswith("no light path") else "refused"
-    if cell.bad_pixels or cell.bad_states or cell.bad_weights:
-        return "not finite"
-    if judged["worst"] > Z_LIMIT or cell.film_loss > FILM_LOSS:
-        return "biased"
-    if not judged["judged"]:
-        return "unjudged"
-    return "stuck" if small_acceptance < STUCK else ""
 
 
 def row(axis: Axis, value: Any, precision: str, cell: Cell, reference: Cell, groups: list[str] | None) -> dict[str, Any]:
@@ -138,20 +122,17 @@ def line(r: dict[str, Any]) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = arguments(__doc__, "docs/extremes")
     parser.add_argument("--quick", action="store_true", help="each axis at its two ends, half the seeds, half the work")
     parser.add_argument("--only", action="append", choices=[axis.name for axis in AXES], help="this axis (may be repeated)")
-    parser.add_argument("--device", default=None, help="as for pylmc render")
-    parser.add_argument("--out", type=Path, default=Path("docs/extremes"), help="folder for the results")
     args = parser.parse_args()
-    args.out.mkdir(parents=True, exist_ok=True)
+    report = Report(args.out, args.device)
     start = time.perf_counter()
     rows = [r for axis in AXES if not args.only or axis.name in args.only for r in run_axis(axis, args)]
     data = {"seconds": round(time.perf_counter() - start), "quick": args.quick, "z_limit": Z_LIMIT, "rows": rows}
-    text = json.dumps(data, indent=1, default=float)
-    (args.out / "extremes.json").write_text(text.replace("NaN", "null").replace("Infinity", "null") + "\n", encoding="utf-8")
-    (args.out / "table.md").write_text(markdown(rows), encoding="utf-8")
-    picture(rows, args.out / "extremes.png")
+    report.json("extremes", data)
+    report.markdown("table", markdown(rows))
+    picture(rows, report)
     print(f"{len(rows)} cells in {data['seconds']} s")
 
 

@@ -11,11 +11,8 @@ median over the rounds, compile time that of a cold build. Writes lean.json, lea
 
 from __future__ import annotations
 
-import argparse
-import json
 import random
 import time
-from pathlib import Path
 from statistics import median
 from typing import Any
 
@@ -27,6 +24,8 @@ from pylmc.sampling.evenness import GRID
 from pylmc.sampling.sampler import Sampler
 from pylmc.scene import Material, Scene, Shape
 from pylmc.settings import MAX_DEPTH
+
+from .report import Report, arguments, table_head
 
 SCENES = ("box", "glints", "keyhole", "caustic")
 CHAINS, STEPS, DEPTH = 4096, 32, 6
@@ -108,10 +107,7 @@ def measure(name: str, rounds: int, device: Any) -> list[dict[str, Any]]:
     return rows
 
 
-HEADER = (
-    "| scene | kernel | ns per mutation | ratio | cold build [s] | binary [kB] | private memory told [B] |\n"
-    "|---|---|---|---|---|---|---|"
-)
+HEADER = table_head("scene", "kernel", "ns per mutation", "ratio", "cold build [s]", "binary [kB]", "private memory told [B]")
 
 
 def line(row: dict[str, Any]) -> str:
@@ -122,42 +118,33 @@ def line(row: dict[str, Any]) -> str:
     )
 
 
-def plot(rows: list[dict[str, Any]], path: Path) -> None:
+def plot(rows: list[dict[str, Any]], report: Report) -> None:
     """Specialised against general by scene, and the box's kernel with each feature."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot as plt
-
-    figure, (left, right) = plt.subplots(1, 2, figsize=(12, 4.5), layout="constrained", width_ratios=(1, 1.4))
-    for offset, label in ((-0.2, "specialised"), (0.2, "general")):
-        own = [row for row in rows if row["kernel"] == label]
-        places = [SCENES.index(row["scene"]) + offset for row in own]
-        left.bar(places, [row["ns_per_mutation"] for row in own], 0.4, label=label)
-    left.set_xticks(range(len(SCENES)), SCENES)
-    left.set(ylabel="ns per mutation", title="A kernel of its own, and one for everything")
-    left.legend()
-    box = [row for row in rows if row["scene"] == "box"]
-    right.barh([row["kernel"] for row in box], [row["ratio"] for row in box], color="C0")
-    right.axvline(1, color="k", lw=1)
-    right.set(xlabel="time per mutation over that of the specialised kernel", title="box")
-    right.invert_yaxis()
-    figure.savefig(path, dpi=80)
-    plt.close(figure)
+    with report.figure("lean", 1, 2, figsize=(12, 4.5), width_ratios=(1, 1.4)) as (_, (left, right)):
+        for offset, label in ((-0.2, "specialised"), (0.2, "general")):
+            own = [row for row in rows if row["kernel"] == label]
+            places = [SCENES.index(row["scene"]) + offset for row in own]
+            left.bar(places, [row["ns_per_mutation"] for row in own], 0.4, label=label)
+        left.set_xticks(range(len(SCENES)), SCENES)
+        left.set(ylabel="ns per mutation", title="A kernel of its own, and one for everything")
+        left.legend()
+        box = [row for row in rows if row["scene"] == "box"]
+        right.barh([row["kernel"] for row in box], [row["ratio"] for row in box], color="C0")
+        right.axvline(1, color="k", lw=1)
+        right.set(xlabel="time per mutation over that of the specialised kernel", title="box")
+        right.invert_yaxis()
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = arguments(__doc__, "docs/trade")
     parser.add_argument("--rounds", type=int, default=7, help="measurements of each kernel (default 7)")
-    parser.add_argument("--device", default=None, help="as for pylmc render")
-    parser.add_argument("--out", type=Path, default=Path("docs/trade"), help="folder for the results (default docs/trade)")
     args = parser.parse_args()
-    args.out.mkdir(parents=True, exist_ok=True)
+    report = Report(args.out, args.device)
     print(HEADER, flush=True)
     rows = [row for name in SCENES for row in measure(name, args.rounds, args.device)]
-    (args.out / "lean.json").write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
-    (args.out / "lean.md").write_text("\n".join([HEADER, *map(line, rows)]) + "\n", encoding="utf-8")
-    plot(rows, args.out / "lean.png")
+    report.json("lean", rows)
+    report.markdown("lean", "\n".join([HEADER, *map(line, rows)]))
+    plot(rows, report)
 
 
 if __name__ == "__main__":

@@ -9,15 +9,14 @@ oracle.json and oracle.png into --out.
 
 from __future__ import annotations
 
-import argparse
-import json
 import re
 import subprocess
 import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from .report import Report, arguments, table_head
 
 TEST = "tests/kernels/test_oracle_agreement.py"
 _CASE = re.compile(r"::\w+\[([^\]]+)\]")
@@ -63,7 +62,7 @@ def worst(records: list[dict[str, Any]]) -> list[dict[str, Any]]:
     ]
 
 
-HEADER = "| quantity | precision | cases | median | 99 % | largest | bounds |\n|---|---|---|---|---|---|---|"
+HEADER = table_head("quantity", "precision", "cases", "median", "99 %", "largest", "bounds")
 
 
 def line(row: dict[str, Any]) -> str:
@@ -73,39 +72,31 @@ def line(row: dict[str, Any]) -> str:
     return f"| {row['quantity']} | {row['precision']} | {row['cases']} | {errors} | {bounds} |"
 
 
-def plot(rows: list[dict[str, Any]], path: Path) -> None:
+def plot(rows: list[dict[str, Any]], report: Report) -> None:
     """Errors over bounds, a line a quantity: left of one is within."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot as plt
-
-    figure, panel = plt.subplots(figsize=(9, 0.22 * len(rows) + 1.2), layout="constrained")
-    for k, (label, marker) in enumerate((("median", "o"), ("99 %", "s"), ("largest", "^"))):
-        shares = [max(row["errors"][k], 1e-3) / row["bounds"][k] for row in rows]
-        panel.plot(shares, range(len(rows)), marker, ms=5, label=label)
-    panel.axvline(1, color="C3")
-    panel.set_xscale("log")
-    panel.set_yticks(range(len(rows)), [f"{row['quantity']}, {row['precision']}" for row in rows], fontsize=7)
-    panel.invert_yaxis()
-    panel.grid(True, axis="x", alpha=0.3)
-    panel.set(xlabel="error over its bound", title="Kernels against the oracle: the worst case of each quantity")
-    panel.legend(loc="upper left", fontsize=8)
-    figure.savefig(path, dpi=80)
-    plt.close(figure)
+    with report.figure("oracle", figsize=(9, 0.22 * len(rows) + 1.2)) as (_, panel):
+        for k, (label, marker) in enumerate((("median", "o"), ("99 %", "s"), ("largest", "^"))):
+            shares = [max(row["errors"][k], 1e-3) / row["bounds"][k] for row in rows]
+            panel.plot(shares, range(len(rows)), marker, ms=5, label=label)
+        panel.axvline(1, color="C3")
+        panel.set_xscale("log")
+        panel.set_yticks(range(len(rows)), [f"{row['quantity']}, {row['precision']}" for row in rows], fontsize=7)
+        panel.invert_yaxis()
+        panel.grid(True, axis="x", alpha=0.3)
+        panel.set(xlabel="error over its bound", title="Kernels against the oracle: the worst case of each quantity")
+        panel.legend(loc="upper left", fontsize=8)
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = arguments(__doc__, "docs/truth", device=False)
     parser.add_argument("--full", action="store_true", help="the long grid, float-float too (about 30 minutes)")
-    parser.add_argument("--out", type=Path, default=Path("docs/truth"), help="folder for the results (default docs/truth)")
     args = parser.parse_args()
-    args.out.mkdir(parents=True, exist_ok=True)
+    report = Report(args.out)
     rows = worst(gather([] if args.full else ["-m", "not long"]))
-    table = "\n".join([HEADER, *map(line, rows)]) + "\n"
-    (args.out / "oracle.md").write_text("Made by `python -m bench.oracle_truth`.\n\n" + table, encoding="utf-8")
-    (args.out / "oracle.json").write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
-    plot(rows, args.out / "oracle.png")
+    table = "\n".join([HEADER, *map(line, rows)])
+    report.markdown("oracle", table)
+    report.json("oracle", rows)
+    plot(rows, report)
     print(table)
 
 

@@ -12,10 +12,8 @@ compared, and on what: bits are a property of device, driver and processor as we
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
-import platform
 import subprocess
 import sys
 import tempfile
@@ -27,9 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from pylmc.device import survey
-
-ROOT = Path(__file__).resolve().parents[1]
+from .report import ROOT, Report, arguments
 
 
 @contextmanager
@@ -69,27 +65,12 @@ def difference(name: str, ours: dict[str, Any], theirs: dict[str, Any], folders:
     return "; ".join(said)
 
 
-def circumstances() -> dict[str, str]:
-    """What the bits are a property of, besides the code."""
-    device = survey.usable()[0]
-    cpu = next(
-        (
-            line.partition(":")[2].strip()
-            for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-            if line.startswith("model name")
-        ),
-        platform.processor(),
-    )
-    return {"device": device.label, "driver": device.driver, "cpu": cpu, "python": platform.python_version()}
-
-
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = arguments(__doc__, "out/same", device=False)
     parser.add_argument("base", metavar="BASE", help="the commit to compare with")
     parser.add_argument("--with", dest="head", metavar="COMMIT", help="the other one (default: this checkout as it stands)")
     parser.add_argument("--quick", action="store_true", help="single precision only")
     parser.add_argument("--only", default="", metavar="TEXT", help="cases whose name holds this")
-    parser.add_argument("--out", type=Path, default=ROOT / "out" / "same", metavar="FOLDER")
     options = parser.parse_args()
     folders = (options.out.resolve() / "head", options.out.resolve() / "base")
     for folder in folders:
@@ -108,8 +89,9 @@ def main() -> int:
         parser.error(f"no case's name holds '{options.only}'")
     unlike = sum(bool(words) for words in found.values())
     print(f"{len(found) - unlike} of {len(found)} cases are the same, bit for bit")
-    report = {"base": options.base, "head": options.head or "working tree", **circumstances(), "differences": found}
-    (options.out / "same.json").write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+    Report(options.out, pictures=False).json(
+        "same", {"base": options.base, "head": options.head or "working tree", "differences": found}
+    )
     return 1 if unlike else 0
 
 

@@ -11,28 +11,17 @@ independent of each other. Seeds are fixed: the same device gives the same table
 
 from __future__ import annotations
 
-import argparse
-import json
-import sys
-from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 from scipy import stats
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from studies.ergodicity import STEPS, run
 from studies.invariance import Outcome
 from studies.invariance_cases import ALPHA, CASES, CONTROLS, FAULTY, start
 
-matplotlib.use("Agg")
-from matplotlib import pyplot
+from .report import Report, arguments, table_head
 
-HEADER = (
-    "| {what} | scene | precision | steps | accepted | tests | least p | {bound} | corrected | |\n"
-    "|---|---|---|---|---|---|---|---|---|---|"
-)
+HEADER = table_head("{what}", "scene", "precision", "steps", "accepted", "tests", "least p", "{bound}", "corrected", "")
 
 
 def row(name: str, scene: str, precision: str, steps: int, outcome: Outcome, faulty: bool = False) -> dict[str, Any]:
@@ -101,12 +90,10 @@ def markdown(rows: dict[str, list[dict[str, Any]]]) -> str:
         kind: "\n".join([HEADER.format(what=what, bound=bound), *map(line, rows[kind])])
         for kind, (what, bound) in kinds.items()
     }
-    return f"""Made by `python -m bench.sampler_truth`.
-
-Chains start in an exact sample of the target, take some steps, and are compared with another exact sample: every coordinate
-(film, nodes, directions, deviations, log π) of every group by Kolmogorov and Smirnov's test and by χ² over 16 bins, the lobes
-and the film by χ², and every pixel by itself. Alpha is {ALPHA:g} for a configuration, Šidák-corrected over its tests, hence
-{family:.2g} for the table. Of all {len(pooled)} p-values, {100 * np.mean(pooled < 0.01):.2f} % are below 0.01 and
+    return f"""Chains start in an exact sample of the target, take some steps, and are compared with another exact sample: every
+coordinate (film, nodes, directions, deviations, log π) of every group by Kolmogorov and Smirnov's test and by χ² over 16
+bins, the lobes and the film by χ², and every pixel by itself. Alpha is {ALPHA:g} for a configuration, Šidák-corrected over its
+tests, hence {family:.2g} for the table. Of all {len(pooled)} p-values, {100 * np.mean(pooled < 0.01):.2f} % are below 0.01 and
 {100 * np.mean(pooled < 0.001):.3f} % below 0.001.
 
 {tables["kept"]}
@@ -130,92 +117,93 @@ Faults, below: the smallest p-value of each, and of its twin.
 """
 
 
-def draw(rows: dict[str, list[dict[str, Any]]], file: Path) -> None:
+def draw(rows: dict[str, list[dict[str, Any]]], report: Report) -> None:
     """QQ-plot of the configurations, and the faults below it."""
-    figure, (above, below) = pyplot.subplots(2, 1, figsize=(7, 7.5), height_ratios=(3, 1.3), layout="constrained")
-    pooled = np.sort(np.concatenate([r["p_values"] for r in rows["kept"]]))
-    corrected = np.sort([r["corrected"] for r in rows["kept"]])
-    n, ranks = len(corrected), np.arange(1, len(corrected) + 1)
-    low, high = (stats.beta.ppf(q, ranks, n + 1 - ranks) for q in (0.025, 0.975))
-    least = 0.3 / len(pooled)
-    above.fill_between(ranks / (n + 1), low, high, color="tab:blue", alpha=0.15, linewidth=0)
-    above.plot([least, 1], [least, 1], color="black", linewidth=0.8)
-    above.plot(
-        np.arange(1, len(pooled) + 1) / (len(pooled) + 1),
-        pooled,
-        ".",
-        color="0.45",
-        markersize=3,
-        label=f"all {len(pooled)} tests",
-    )
-    above.plot(
-        ranks / (n + 1),
-        corrected,
-        "o",
-        color="tab:blue",
-        markersize=5,
-        label=f"smallest of each of {n} configurations, corrected",
-    )
-    above.axhline(ALPHA, color="tab:red", linestyle="--", linewidth=1)
-    limit = f"a configuration fails below α = {ALPHA:g}, corrected"
-    above.text(0.98, ALPHA * 1.15, limit, color="tab:red", fontsize=9, ha="right")
-    above.set(
-        xscale="log",
-        yscale="log",
-        xlim=(least, 1.1),
-        ylim=(min(least, pooled[0] / 2), 1.3),
-        xlabel="uniform quantile",
-        ylabel="p-value",
-        title="Configurations that must pass",
-    )
-    above.legend(loc="upper left", fontsize=9)
-    faults = sorted(rows["seen"], key=lambda r: r["least"], reverse=True)
-    digits = [-np.log10(max(r["least"], 1e-300)) for r in faults]
-    end = max(digits) * 1.05
-    below.plot(
-        [-np.log10(r["twin"]) for r in faults], range(len(faults)), "o", color="tab:blue", label="the same without the fault"
-    )
-    below.plot(digits, range(len(faults)), "D", color="tab:red", markersize=7, label="with the fault")
-    for y, (x, r) in enumerate(zip(digits, faults, strict=True)):
-        right = x < end / 2
-        below.text(
-            x + (0.02 if right else -0.02) * end,
-            y,
-            f"{r['name']}: {shown(r['least'])}",
-            va="center",
-            ha="left" if right else "right",
-            fontsize=9,
+    with report.figure("sampler", 2, 1, dpi=110, figsize=(7, 7.5), height_ratios=(3, 1.3)) as (_, (above, below)):
+        pooled = np.sort(np.concatenate([r["p_values"] for r in rows["kept"]]))
+        corrected = np.sort([r["corrected"] for r in rows["kept"]])
+        n, ranks = len(corrected), np.arange(1, len(corrected) + 1)
+        low, high = (stats.beta.ppf(q, ranks, n + 1 - ranks) for q in (0.025, 0.975))
+        least = 0.3 / len(pooled)
+        above.fill_between(ranks / (n + 1), low, high, color="tab:blue", alpha=0.15, linewidth=0)
+        above.plot([least, 1], [least, 1], color="black", linewidth=0.8)
+        above.plot(
+            np.arange(1, len(pooled) + 1) / (len(pooled) + 1),
+            pooled,
+            ".",
+            color="0.45",
+            markersize=3,
+            label=f"all {len(pooled)} tests",
         )
-    below.axvline(-np.log10(FAULTY), color="tab:red", linestyle="--", linewidth=1)
-    below.set_yticks([])
-    below.set(
-        xlim=(0, end),
-        ylim=(-1.9, len(faults) - 0.4),
-        xlabel=f"−log₁₀ of the smallest p-value (dashed: {FAULTY:g})",
-        title="Faults that must be seen",
-    )
-    below.legend(loc="lower right", fontsize=9)
-    figure.savefig(file, dpi=110, pil_kwargs={"optimize": True})
-    pyplot.close(figure)
+        above.plot(
+            ranks / (n + 1),
+            corrected,
+            "o",
+            color="tab:blue",
+            markersize=5,
+            label=f"smallest of each of {n} configurations, corrected",
+        )
+        above.axhline(ALPHA, color="tab:red", linestyle="--", linewidth=1)
+        limit = f"a configuration fails below α = {ALPHA:g}, corrected"
+        above.text(0.98, ALPHA * 1.15, limit, color="tab:red", fontsize=9, ha="right")
+        above.set(
+            xscale="log",
+            yscale="log",
+            xlim=(least, 1.1),
+            ylim=(min(least, pooled[0] / 2), 1.3),
+            xlabel="uniform quantile",
+            ylabel="p-value",
+            title="Configurations that must pass",
+        )
+        above.legend(loc="upper left", fontsize=9)
+        faults = sorted(rows["seen"], key=lambda r: r["least"], reverse=True)
+        digits = [-np.log10(max(r["least"], 1e-300)) for r in faults]
+        end = max(digits) * 1.05
+        below.plot(
+            [-np.log10(r["twin"]) for r in faults],
+            range(len(faults)),
+            "o",
+            color="tab:blue",
+            label="the same without the fault",
+        )
+        below.plot(digits, range(len(faults)), "D", color="tab:red", markersize=7, label="with the fault")
+        for y, (x, r) in enumerate(zip(digits, faults, strict=True)):
+            right = x < end / 2
+            below.text(
+                x + (0.02 if right else -0.02) * end,
+                y,
+                f"{r['name']}: {shown(r['least'])}",
+                va="center",
+                ha="left" if right else "right",
+                fontsize=9,
+            )
+        below.axvline(-np.log10(FAULTY), color="tab:red", linestyle="--", linewidth=1)
+        below.set_yticks([])
+        below.set(
+            xlim=(0, end),
+            ylim=(-1.9, len(faults) - 0.4),
+            xlabel=f"−log₁₀ of the smallest p-value (dashed: {FAULTY:g})",
+            title="Faults that must be seen",
+        )
+        below.legend(loc="lower right", fontsize=9)
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = arguments(__doc__, "docs/truth", device=False)
     parser.add_argument("--seed", type=int, default=1001, help="of the first configuration (default 1001)")
-    parser.add_argument("--out", type=Path, default=Path("docs/truth"), help="folder for the results")
     args = parser.parse_args()
-    args.out.mkdir(parents=True, exist_ok=True)
+    report = Report(args.out)
     rows = run_all(args.seed)
     twins = {control.name: r["least"] for control in CONTROLS for r in rows["kept"] if r["name"] == control.twin.name}
     for r in rows["seen"]:
         r["twin"] = twins[r["name"]]
     page = markdown(rows)
     print(page)
-    (args.out / "sampler.md").write_text(page, encoding="utf-8")
-    draw(rows, args.out / "sampler.png")
-    for r in (r for table in rows.values() for r in table):
-        del r["p_values"]  # hundreds of numbers each
-    (args.out / "sampler.json").write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+    report.markdown("sampler", page)
+    # p-values are hundreds of numbers each
+    kept = {kind: [{key: r[key] for key in r if key != "p_values"} for r in table] for kind, table in rows.items()}
+    report.json("sampler", kept)
+    draw(rows, report)
 
 
 if __name__ == "__main__":

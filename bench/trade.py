@@ -15,18 +15,16 @@ into --out, and trade.md beside it.
 from __future__ import annotations
 
 import argparse
-import json
-from pathlib import Path
 from statistics import median
 from typing import Any
 
 import numpy as np
 
 import pylmc
-from pylmc.device.survey import select
 from pylmc.sampling.compiled import compile_scene
 from pylmc.sampling.sampler import Sampler
 
+from .report import Report, arguments, stored
 from .running import Reference, Trace, cell_bias, rate_ratios, reference, relative_mse, run
 from .trade_options import DEPTH, OPTIONS, Option, applies
 from .trade_page import write_page
@@ -109,7 +107,7 @@ def at(goal: float, amounts: list[float] | list[int], errors: list[float]) -> fl
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = arguments(__doc__, "docs/trade")
     parser.add_argument("--only", choices=SCENES, action="append", help="these scenes (default: all)")
     parser.add_argument("--seconds", type=float, default=3, help="run time of each render (default 3)")
     parser.add_argument("--seeds", type=int, default=3, help="renders per option, at least 2 (default 3)")
@@ -117,14 +115,13 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5, help="turns in which speeds are measured (default 5)")
     parser.add_argument("--slice", type=float, default=0.3, help="seconds of each turn (default 0.3)")
     parser.add_argument("--size", type=int, default=128, help="pixels per side, a multiple of 16 (default 128)")
-    parser.add_argument("--device", default=None, help="as for pylmc render")
-    parser.add_argument("--out", type=Path, default=Path("docs/trade"), help="folder for the results (default docs/trade)")
     parser.add_argument("--page", action="store_true", help="only write the table, plots and page again")
     args = parser.parse_args()
-    args.out.mkdir(parents=True, exist_ok=True)
-    store = args.out / "trade.json"
-    found: dict[str, Any] = json.loads(store.read_text(encoding="utf-8")) if store.exists() else {}
-    if not args.page:
+    report = Report(args.out, args.device)
+    found: dict[str, Any] = stored(args.out / "trade.json") or {}
+    if args.page:
+        report.made = found["how"]["made"]
+    else:
         for name in args.only or SCENES:
             found[name] = measure(name, args)
             found["how"] = {
@@ -132,12 +129,12 @@ def main() -> None:
                 "seeds": args.seeds,
                 "reference": args.reference,
                 "size": args.size,
-                "device": select(args.device).name.strip(),
+                "made": report.made,
             }
-            store.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+            report.json("trade", found)
         found["unit_jacobian"] = measure_unit_jacobian(args.device)
-        store.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    write_page(found, args.out)
+        report.json("trade", found)
+    write_page(found, report)
 
 
 if __name__ == "__main__":

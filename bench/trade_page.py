@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from .report import Report, table_head
+
 SCENES = ("keyhole", "caustic", "glints", "box")
 LABELLED = 6  # options named in each panel: those on the front, then the best
-HEADER = (
-    "| scene | option | against | error, equal time | ratio | error, equal mutations | ratio | bias | mutations/s "
-    "| ratio | ESS/s | acceptance |\n|---|---|---|---|---|---|---|---|---|---|---|---|"
+HEADER = table_head(
+    *("scene", "option", "against", "error, equal time", "ratio", "error, equal mutations", "ratio", "bias", "mutations/s"),
+    *("ratio", "ESS/s", "acceptance"),
 )
 
 
@@ -20,7 +21,7 @@ def line(row: dict[str, Any]) -> str:
     bias, noise = 100 * row["bias"], 100 * row["bias_noise"]
     shown = f"{bias:.1f} %" if bias > 2 * noise else f"< {2 * noise:.1f} %"
     ess = f"{row['ess_per_second']:.3g}" if row["ess_per_second"] else ""
-    accepted = f"{row['acceptance']:.2f}" if np.isfinite(row["acceptance"]) else ""
+    accepted = f"{row['acceptance']:.2f}" if row["acceptance"] is not None and np.isfinite(row["acceptance"]) else ""
     against = "" if row["option"] == row["against"] else row["against"]
     return (
         f"| {row['scene']} | {row['option']} | {against} | {row['equal_time']:.3g} | {row['equal_time_ratio']:.2f} "
@@ -40,55 +41,45 @@ def pareto(rows: list[dict[str, Any]]) -> list[tuple[float, float, str]]:
     return front
 
 
-def plot(found: dict[str, Any], path: Path) -> None:
+def plot(found: dict[str, Any], report: Report) -> None:
     """Error against time, a panel a scene, with the Pareto front drawn: no option there is worse in both."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot as plt
+    from matplotlib import colormaps
 
     names = [name for name in SCENES if name in found]
-    figure, panels = plt.subplots(2, 2, figsize=(13, 10), layout="constrained")
-    for panel in panels.flat[len(names) :]:
-        panel.set_visible(False)
-    for panel, name in zip(panels.flat, names, strict=False):
-        rows = found[name]
-        front, chains = pareto(rows), pareto([row for row in rows if row["integrator"] == "lmc"])
-        shown = list(dict.fromkeys([option for *_, option in front + chains] + ["default", "path", "bdpt"]))[: LABELLED + 3]
-        colours = plt.get_cmap("tab10")
-        for row in rows:
-            known = row["option"] in shown
-            colour = colours(shown.index(row["option"]) % 10) if known else "0.8"
-            style: dict[str, Any] = {"lw": 1.6, "marker": "o", "zorder": 3, "label": row["option"]} if known else {"lw": 0.7}
-            panel.loglog(row["seconds"], row["errors"], color=colour, ms=3, **style)
-        for points, label, style in ((front, "Pareto front", "-"), (chains, "Pareto front of the chains", "--")):
-            times, errors = [t for t, *_ in points], [e for _, e, _ in points]
-            panel.loglog(times, errors, style, color="k", lw=3, alpha=0.35, zorder=2, label=label)
-        panel.set(title=name, xlabel="run time [s]", ylabel="relMSE without the worst 0.1 %")
-        panel.grid(True, which="both", alpha=0.2)
-        panel.legend(fontsize=8)
-    figure.suptitle("Error against time; every option in grey, those on the front and the baselines in colour")
-    figure.savefig(path, dpi=80)
-    plt.close(figure)
+    with report.figure("trade", 2, 2, figsize=(13, 10)) as (figure, panels):
+        for panel in panels.flat[len(names) :]:
+            panel.set_visible(False)
+        for panel, name in zip(panels.flat, names, strict=False):
+            rows = found[name]
+            front, chains = pareto(rows), pareto([row for row in rows if row["integrator"] == "lmc"])
+            shown = list(dict.fromkeys([option for *_, option in front + chains] + ["default", "path", "bdpt"]))[: LABELLED + 3]
+            colours = colormaps["tab10"]
+            for row in rows:
+                known = row["option"] in shown
+                colour = colours(shown.index(row["option"]) % 10) if known else "0.8"
+                style: dict[str, Any] = (
+                    {"lw": 1.6, "marker": "o", "zorder": 3, "label": row["option"]} if known else {"lw": 0.7}
+                )
+                panel.loglog(row["seconds"], row["errors"], color=colour, ms=3, **style)
+            for points, label, style in ((front, "Pareto front", "-"), (chains, "Pareto front of the chains", "--")):
+                times, errors = [t for t, *_ in points], [e for _, e, _ in points]
+                panel.loglog(times, errors, style, color="k", lw=3, alpha=0.35, zorder=2, label=label)
+            panel.set(title=name, xlabel="run time [s]", ylabel="relMSE without the worst 0.1 %")
+            panel.grid(True, which="both", alpha=0.2)
+            panel.legend(fontsize=8)
+        figure.suptitle("Error against time; every option in grey, those on the front and the baselines in colour")
 
 
-def plot_unit_jacobian(rows: list[dict[str, float]], path: Path) -> None:
+def plot_unit_jacobian(rows: list[dict[str, float]], report: Report) -> None:
     """Bias of the printed unit Jacobian against roughness, with the exact chart's noise."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot as plt
-
-    figure, panel = plt.subplots(figsize=(6.5, 4), layout="constrained")
     alpha = [row["alpha"] for row in rows]
-    panel.loglog(alpha, [row["unit"] for row in rows], "o-", label="orthographic-unit (as printed)")
-    panel.loglog(alpha, [row["exact"] for row in rows], "s--", color="0.5", label="orthographic (exact): noise")
-    panel.set(xlabel="GGX roughness of all walls", ylabel="relative deviation of the film's cells")
-    panel.set_title("The unit Jacobian's bias")
-    panel.grid(True, which="both", alpha=0.2)
-    panel.legend()
-    figure.savefig(path, dpi=80)
-    plt.close(figure)
+    with report.figure("unit_jacobian", figsize=(6.5, 4)) as (_, panel):
+        panel.loglog(alpha, [row["unit"] for row in rows], "o-", label="orthographic-unit (as printed)")
+        panel.loglog(alpha, [row["exact"] for row in rows], "s--", color="0.5", label="orthographic (exact): noise")
+        panel.set(xlabel="GGX roughness of all walls", ylabel="relative deviation of the film's cells")
+        panel.set_title("The unit Jacobian's bias")
+        panel.grid(True, which="both", alpha=0.2)
+        panel.legend()
 
 
 def _rows(found: dict[str, Any], option: str) -> dict[str, dict[str, Any]]:
@@ -150,8 +141,8 @@ def findings(found: dict[str, Any]) -> str:
     largest = ranked[0][0]
     text = [
         f"Each scene at {how['size']} × {how['size']} pixels and paths of up to 8 segments, {how['seeds']} seeds of "
-        f"{how['seconds']:g} s on {how['device']}; the reference is a run of {how['reference']:g} s in double precision by "
-        "other seeds. Ratios below one are better than what the option stands against, above one worse.",
+        f"{how['seconds']:g} s on {how['made']['device']}; the reference is a run of {how['reference']:g} s in double "
+        "precision by other seeds. Ratios below one are better than what the option stands against, above one worse.",
         "",
         "![error against time](trade/trade.png)",
         "",
@@ -259,14 +250,14 @@ def _all_options(found: dict[str, Any]) -> list[tuple[str, str]]:
     return list(seen.items())
 
 
-def write_page(found: dict[str, Any], folder: Path) -> None:
+def write_page(found: dict[str, Any], report: Report) -> None:
     """trade.md, the plots, and the page beside the folder, whose hand-written end (from its marker on) is kept."""
     table = "\n".join([HEADER, *(line(row) for name in SCENES for row in found.get(name, []))])
-    (folder / "trade.md").write_text(table + "\n", encoding="utf-8")
-    plot(found, folder / "trade.png")
+    report.markdown("trade", table)
+    plot(found, report)
     if "unit_jacobian" in found:
-        plot_unit_jacobian(found["unit_jacobian"], folder / "unit_jacobian.png")
-    page = folder.parent / "trade.md"
+        plot_unit_jacobian(found["unit_jacobian"], report)
+    page = report.folder.parent / "trade.md"
     marker = "<!-- below: written by hand -->"
     written = page.read_text(encoding="utf-8") if page.exists() else ""
     kept = written.split(marker, 1)[1] if marker in written else "\n"
@@ -274,12 +265,12 @@ def write_page(found: dict[str, Any], folder: Path) -> None:
         "# The trade of speed for accuracy\n\n`python -m bench.trade` makes this page, its "
         "[table of all cells](trade/trade.md) and its plots.\n\n"
     )
-    page.write_text(head + findings(found) + lean(folder) + "\n" + marker + kept, encoding="utf-8")
+    page.write_text(head + findings(found) + lean(report) + "\n" + marker + kept, encoding="utf-8")
 
 
-def lean(folder: Path) -> str:
+def lean(report: Report) -> str:
     """The section on specialised kernels, from what ``bench.lean`` left in the same folder."""
-    table = folder / "lean.md"
+    table = report.folder / "lean.md"
     if not table.exists():
         return ""
     return (

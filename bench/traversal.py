@@ -7,7 +7,6 @@ and returns arrays. The line "as called" is RayTracer's own methods, copies incl
 
 from __future__ import annotations
 
-import argparse
 import os
 import time
 from collections.abc import Callable
@@ -18,6 +17,8 @@ import trimesh
 
 from pylmc.device.raytracer import LOCAL_SIZE, RayTracer
 from pylmc.geometry import bvh
+
+from .report import arguments, circumstances, words
 
 try:
     from embreex.mesh_construction import TriangleMesh
@@ -95,15 +96,14 @@ def median_rates(calls: dict[str, Callable], count: int, repeats: int) -> dict[s
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="bench.traversal", description=__doc__.splitlines()[0])
+    parser = arguments(__doc__)
     parser.add_argument("--large", action="store_true", help="1.3 M triangles instead of 102 k")
     parser.add_argument("--rays", type=int, default=500_000)
     parser.add_argument("--repeats", type=int, default=7)
     parser.add_argument("--width", type=int, default=8, choices=bvh.WIDTHS)
-    parser.add_argument("--device", default=None)
     options = parser.parse_args()
     os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})  # before the first OpenCL call, whose threads inherit it
-
+    print(words(circumstances(options.device)))
     vertices, faces = blobs(options.large)
     begin = time.perf_counter()
     tree = bvh.build(vertices, faces, options.width)
@@ -112,7 +112,7 @@ def main() -> None:
         f"{len(tree.leaves)} leaves, depth {tree.depth}, {tree.defines()}"
     )
     tracer = RayTracer(vertices, faces, options.device, width=options.width)
-    print(f"on {tracer.device.name.strip()}, one core, {options.rays} rays, medians of {options.repeats}, Mrays/s")
+    print(f"one core, {options.rays} rays, medians of {options.repeats}, Mrays/s")
     embree = EmbreeScene(robust=False) if EmbreeScene else None
     if embree:
         TriangleMesh(embree, vertices[faces])

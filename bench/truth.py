@@ -1,36 +1,31 @@
-"""Radiometry at a presentable size: the scenes of tests/comparison rendered by pylmc and by Mitsuba 3, and compared.
+"""Radiometry at a presentable size: the scenes of tests/studies/comparison rendered by pylmc and by Mitsuba 3, and compared.
 
     python -m bench.truth                  writes docs/truth/radiometry.png, .json and .md, and prints the table
     python -m bench.truth --scenes room    one scene only
 
 Needs a checkout (the scenes are the tests' own) and the extras ``mitsuba`` and ``bench``. Each renderer makes independent
-runs with seeds of their own for the given time; p-values are those of tests/comparison/verdict.py. One row of the picture
-is a scene; its columns are Mitsuba, lmc, path (exposed alike) and the two differences in standard errors of each pixel,
+runs with seeds of their own for the given time; p-values are those of tests/studies/comparison/verdict.py. One row of the
+picture is a scene; its columns are Mitsuba, lmc, path (exposed alike) and the two differences in standard errors of each pixel,
 of luminance. Seeds are fixed, but as runs are filled by time, figures vary a little between machines.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
-from tests.comparison.description import Description
-from tests.comparison.scenes import SCENES
-from tests.comparison.to_mitsuba import mitsuba_runs
-from tests.comparison.to_pylmc import lmc_runs, path_runs, pylmc_scene
-from tests.comparison.verdict import Verdict, judge
+from studies.comparison.description import Description
+from studies.comparison.scenes import SCENES
+from studies.comparison.to_mitsuba import mitsuba_runs
+from studies.comparison.to_pylmc import lmc_runs, path_runs, pylmc_scene
+from studies.comparison.verdict import Verdict, judge
 
 from pylmc.colour import LUMINANCE
 from pylmc.picture.tonemap import exposure, tonemap
 
-matplotlib.use("Agg")
-from matplotlib import pyplot
+from .report import Report, arguments, table_head
 
 INTEGRATORS = ("lmc", "path")
 END = 5.0  # standard errors at the ends of the colour scale
@@ -60,9 +55,8 @@ def row_of(scene: Description, integrator: str, verdict: Verdict) -> dict[str, A
     return {"scene": scene.name, "about": scene.about, "depth": scene.depth, "integrator": integrator, **verdict.summary()}
 
 
-HEADER = (
-    "| scene | segments | integrator | least p of pixels | of tiles | of the film | mean over Mitsuba's | agrees |\n"
-    "|---|---|---|---|---|---|---|---|"
+HEADER = table_head(
+    "scene", "segments", "integrator", "least p of pixels", "of tiles", "of the film", "mean over Mitsuba's", "agrees"
 )
 
 
@@ -102,48 +96,41 @@ def luminance_t(ours: Runs, theirs: Runs) -> np.ndarray:
     return np.divide(difference, error, where=error > 0, out=np.zeros_like(error))
 
 
-def draw(pictures: dict[str, dict[str, Runs]], file: Path) -> None:
+def draw(pictures: dict[str, dict[str, Runs]], report: Report) -> None:
     """The contact sheet."""
     columns = ["Mitsuba 3", *(f"pylmc {name}" for name in INTEGRATORS), *(f"{name} − Mitsuba" for name in INTEGRATORS)]
-    figure, axes = pyplot.subplots(
-        len(pictures),
-        len(columns),
-        figsize=(1.5 * len(columns) + 0.9, 1.53 * len(pictures) + 0.3),
-        squeeze=False,
-        layout="constrained",
-    )
-    shown = None
-    for row, (name, runs) in zip(axes, pictures.items(), strict=True):
-        exposed = exposure(runs["mitsuba"].mean(axis=0))
-        for axis, which in zip(row, ("mitsuba", *INTEGRATORS), strict=False):
-            axis.imshow(tonemap(runs[which].mean(axis=0), exposed), interpolation="nearest")
-        for axis, which in zip(row[1 + len(INTEGRATORS) :], INTEGRATORS, strict=True):
-            shown = axis.imshow(
-                luminance_t(runs[which], runs["mitsuba"]), cmap="RdBu_r", vmin=-END, vmax=END, interpolation="nearest"
-            )
-        row[0].set_ylabel(name, fontsize=8)
-        for axis in row:
-            axis.set_xticks([])
-            axis.set_yticks([])
-    for axis, title in zip(axes[0], columns, strict=True):
-        axis.set_title(title, fontsize=8)
-    assert shown is not None
-    bar = figure.colorbar(shown, ax=axes, shrink=0.5, aspect=40, pad=0.01)
-    bar.set_label("difference in standard errors of the pixel", fontsize=8)
-    bar.ax.tick_params(labelsize=7)
-    figure.savefig(file, dpi=120, pil_kwargs={"optimize": True})
-    pyplot.close(figure)
+    size = (1.5 * len(columns) + 0.9, 1.53 * len(pictures) + 0.3)
+    shape = (len(pictures), len(columns))
+    with report.figure("radiometry", *shape, dpi=120, figsize=size, squeeze=False) as (figure, axes):
+        shown = None
+        for row, (name, runs) in zip(axes, pictures.items(), strict=True):
+            exposed = exposure(runs["mitsuba"].mean(axis=0))
+            for axis, which in zip(row, ("mitsuba", *INTEGRATORS), strict=False):
+                axis.imshow(tonemap(runs[which].mean(axis=0), exposed), interpolation="nearest")
+            for axis, which in zip(row[1 + len(INTEGRATORS) :], INTEGRATORS, strict=True):
+                shown = axis.imshow(
+                    luminance_t(runs[which], runs["mitsuba"]), cmap="RdBu_r", vmin=-END, vmax=END, interpolation="nearest"
+                )
+            row[0].set_ylabel(name, fontsize=8)
+            for axis in row:
+                axis.set_xticks([])
+                axis.set_yticks([])
+        for axis, title in zip(axes[0], columns, strict=True):
+            axis.set_title(title, fontsize=8)
+        assert shown is not None
+        bar = figure.colorbar(shown, ax=axes, shrink=0.5, aspect=40, pad=0.01)
+        bar.set_label("difference in standard errors of the pixel", fontsize=8)
+        bar.ax.tick_params(labelsize=7)
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = arguments(__doc__, "docs/truth", device=False)
     parser.add_argument("--scenes", nargs="+", choices=SCENES, default=list(SCENES), help="which scenes (default all)")
     parser.add_argument("--seconds", type=float, default=10, help="time of each renderer in each scene (default 10)")
     parser.add_argument("--runs", type=int, default=16, help="independent runs of each renderer (default 16)")
     parser.add_argument("--size", type=int, default=40, help="pixels per side (default 40)")
-    parser.add_argument("--out", type=Path, default=Path("docs/truth"), help="folder for the results")
     args = parser.parse_args()
-    args.out.mkdir(parents=True, exist_ok=True)
+    report = Report(args.out)
     print(HEADER, flush=True)
     rows: list[dict[str, Any]] = []
     pictures = {}
@@ -156,9 +143,9 @@ def main() -> None:
             print(line(rows[-1]), flush=True)
     note = caption(rows, args.runs, args.size, args.seconds)
     print("\n" + note)
-    (args.out / "radiometry.json").write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
-    (args.out / "radiometry.md").write_text("\n".join([HEADER, *map(line, rows), "", note]) + "\n", encoding="utf-8")
-    draw(pictures, args.out / "radiometry.png")
+    report.json("radiometry", rows)
+    report.markdown("radiometry", "\n".join([HEADER, *map(line, rows), "", note]))
+    draw(pictures, report)
 
 
 if __name__ == "__main__":

@@ -11,13 +11,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from studies.extreme_cells import Z_LIMIT, acceptance, bias, run, verdict
+from studies.extreme_scenes import AXES, Axis
 from studies.faults import FAULTS
 from studies.probes import edited_source
 
 import pylmc
-from bench.extreme_cells import acceptance, bias, run
-from bench.extreme_scenes import AXES, Axis
-from bench.extremes import Z_LIMIT, verdict
 from pylmc import PylmcWarning, Sampler
 from pylmc.colour import LUMINANCE
 from pylmc.sampling.compiled import compile_scene

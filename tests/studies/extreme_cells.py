@@ -28,6 +28,8 @@ from pylmc.colour import LUMINANCE
 BLOCKS = 4  # per side of the film
 BURN, ROUNDS, BETWEEN = 32, 6, 8  # steps of each chain before, and between, its trials
 ENOUGH = 30  # effective independent paths (or chains inside a block and outside) below which a mean says nothing of its error
+Z_LIMIT = 4.1  # two-sided, alpha = 0.01 over 250 cells
+STUCK, FILM_LOSS = 0.01, 1e-3
 
 
 @dataclass
@@ -229,3 +231,16 @@ def _bad_numbers(sampler: Sampler) -> int:
     )
     bad += int(np.sum(~np.isfinite(states.factors[lit]))) + int(np.sum(np.isnan(states.log_pi) | (states.log_pi == np.inf)))
     return bad + int(np.sum(~np.isfinite(states.log_p[lit])))
+
+
+def verdict(cell: Cell, judged: dict[str, Any], small_acceptance: float) -> str:
+    """Why a mode has given up at a cell; empty where it has not."""
+    if cell.refused:
+        return "dark" if cell.refused.startswith("no light path") else "refused"
+    if cell.bad_pixels or cell.bad_states or cell.bad_weights:
+        return "not finite"
+    if judged["worst"] > Z_LIMIT or cell.film_loss > FILM_LOSS:
+        return "biased"
+    if not judged["judged"]:
+        return "unjudged"
+    return "stuck" if small_acceptance < STUCK else ""
