@@ -6,14 +6,15 @@
 #include "path/film.cl"
 
 PATH_KERNEL void render_independent(SCENE_PARAMETERS, uint seed, ulong first_step, int steps, uint streams, uint first,
-                                    __global const ChainStart *groups, __global ChainCounters *counters,
-                                    __global volatile uint *film, int film_pixels) {
+                                    __global const ChainStart *groups, __global const FilmPlace *places,
+                                    __global ChainCounters *counters, __global volatile uint *film, int film_pixels) {
     uint index = get_global_id(0);
     if (index >= streams) return;
     Scene scene = SCENE_BUNDLE;
     ChainStart group = groups[index];
     __global ChainCounters *count = &counters[first + index];
-    size_t slot = (size_t)group.slot * film_pixels;
+    FilmPlace place = places[group.slot];
+    size_t slot = (size_t)place.slot * film_pixels;
     for (int step = 0; step < steps; step++) {
         Rng rng = rng_open(seed, index, first_step + step, PURPOSE_BDPT);
         Path path;
@@ -28,7 +29,7 @@ PATH_KERNEL void render_independent(SCENE_PARAMETERS, uint seed, ulong first_ste
         count->acceptance[0] += 1.0;
         weight *= group.scale;
         real3 colour = weight * colour_over_density(&radiance);
-        film_add(film, slot + pixel_of(&scene, path.vertex[1].v), colour);
+        film_add(film, slot + pixel_of(&scene, path.vertex[1].v), place.scale * colour);
         count->weight_sum += weight;
         count->weight_square_sum += weight * weight;
         count->splatted += luminance(colour);

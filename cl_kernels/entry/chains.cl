@@ -7,9 +7,9 @@
 // A large step's weight counts in units of its group's b, and for no more than e to this: its square must stay finite.
 #define MOST_LOG_WEIGHT 42.0
 
-// log_units: by group.
+// places: by group.
 PATH_KERNEL void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int steps, uint chains, float p_large,
-                            float log_h_min, float log_h_max, __global const real *log_units, __global ChainState *states,
+                            float log_h_min, float log_h_max, __global const FilmPlace *places, __global ChainState *states,
                             __global ChainCounters *counters, __global volatile uint *film, int film_pixels) {
     uint index = get_global_id(0);
     if (index >= chains) return;
@@ -22,17 +22,18 @@ PATH_KERNEL void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int s
     real log_i = state->log_i, log_p = state->log_p;
     real3 colour = vec3(state->colour);
     int pixel = max(pixel_of(&scene, paths[0].vertex[1].v), 0);  // a chain that starts dark has none
-    size_t slot = (size_t)state->slot * film_pixels;
+    FilmPlace place = places[state->slot];
+    size_t slot = (size_t)place.slot * film_pixels;
     // sums go on from where the last launch left them, so that they do not depend on where it ended
     real weight_sum = count->weight_sum, weight_square_sum = count->weight_square_sum, splatted = count->splatted;
-    real log_unit = log_units[state->slot], brightness = luminance(colour);
+    real brightness = luminance(colour);
 
     for (int step = 0; step < steps; step++) {
         Rng rng = rng_open(seed, index, first_step + step, PURPOSE_CHAIN);
         Path *x = &paths[now], *y = &paths[1 - now];
         MarkovStep taken;
         markov_step(&scene, x, log_i, &log_p, p_large, log_h_min, log_h_max, &rng, y, &taken);
-        real log_weight = taken.radiance.log_i - taken.log_forward - log_unit;
+        real log_weight = taken.radiance.log_i - taken.log_forward - place.log_unit;
         if (taken.move == 0 && isfinite(log_weight)) {
             real weight = exp(fmin(log_weight, MOST_LOG_WEIGHT));
             weight_sum += weight;
@@ -41,13 +42,13 @@ PATH_KERNEL void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int s
         if (taken.outcome == STEP_NOT_FINITE) count->not_finite++;
         count->proposed[taken.move]++;
         if (taken.acceptance < 1.0) {
-            film_add(film, slot + pixel, (1.0 - taken.acceptance) * colour);
+            film_add(film, slot + pixel, place.scale * ((1.0 - taken.acceptance) * colour));
             splatted += (1.0 - taken.acceptance) * brightness;
         }
         if (taken.acceptance > 0.0) {
             real3 colour_new = colour_over_density(&taken.radiance);
             int pixel_new = pixel_of(&scene, y->vertex[1].v);
-            film_add(film, slot + pixel_new, taken.acceptance * colour_new);
+            film_add(film, slot + pixel_new, place.scale * (taken.acceptance * colour_new));
             real brightness_new = luminance(colour_new);
             splatted += taken.acceptance * brightness_new;
             count->acceptance[taken.move] += taken.acceptance;

@@ -54,6 +54,7 @@ class DeviceScene:
         self._declare("Lobe", tables.lobe_record(compiled.lobe_kinds))
         self._declare("Light", tables.light_record(compiled.light_kinds))
         self._declare("ChainStart", tables.CHAIN_START)
+        self._declare("FilmPlace", tables.FILM_PLACE)
         # pyopencl knows a nested struct by one name and one set of fields: each number type needs its own
         vertex_name = f"ChainVertex_{self.precision.real}"
         vertex = self._declare(vertex_name, tables.CHAIN_VERTEX)

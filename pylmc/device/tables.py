@@ -51,6 +51,8 @@ CHAIN_START: list[Any] = [
     ("slot", np.int32),
     ("scale", np.float64),
 ]
+# Where a group's splats go: the film's slot and by what they are multiplied; and what its weights are counted in.
+FILM_PLACE: list[Any] = [("slot", np.int32), ("scale", np.float64), ("log_unit", np.float64)]
 CHAIN_VERTEX: list[Any] = [
     ("v", *_F3),
     ("t", np.float64),

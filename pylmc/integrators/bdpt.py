@@ -8,9 +8,10 @@ import numpy as np
 import pyopencl as cl
 
 from ..device import tables
-from ..device.arrays import Film, Records
+from ..device.arrays import Records
 from ..picture.estimators import Estimator
 from ..sampling.chains import STEPS_PER_LAUNCH
+from ..sampling.films import film_for, places
 from ..sampling.groups import Group
 from ..sampling.mean_error import variance_of_mean
 from .integrator import Integrator
@@ -30,7 +31,7 @@ class Bidirectional(Integrator):
         streams = STREAMS_GPU if device.device.type & cl.device_type.GPU else STREAMS_CPU
         spreads = np.array([np.sqrt(group.weight_square_sum / group.weighed) for group in self.groups])
         parts = []
-        first = 0
+        first, most = 0, max(group.b for group in self.groups)
         # a group that the pilot found empty may still hold light: it keeps a few streams, or the picture were biased
         floor = 0.01 * spreads.max()
         shares = np.maximum(spreads, floor)
@@ -38,14 +39,17 @@ class Bidirectional(Integrator):
             group.first, group.chains = first, max(round(float(streams * share)), 8)
             part = np.zeros(group.chains, tables.CHAIN_START)
             part["length"], part["ending"], part["slot"] = group.length, group.ending, group.slot
-            part["scale"] = 1 / max(group.b, 1e-6 * max(g.b for g in self.groups))
+            group.unit, group.streams = max(group.b, 1e-6 * most), True
+            part["scale"] = 1 / group.unit
             parts.append(part)
             first += group.chains
         self.streams = first
         self.scales = np.array([part["scale"][0] for part in parts], dtype=np.float64)
         self._table = Records.of(device, "ChainStart", np.concatenate(parts))
         self._counters, self._splatted = Records(device, "ChainCounters", first), np.zeros(first)
-        self.film = Film(device, len(self.groups), camera.height, camera.width)
+        self.film = film_for(device, len(self.groups), camera.height, camera.width)
+        self.places = places(self.groups, self.film.slots)
+        self._places = self.places.table(device, self.groups)
         self._kernel = device.kernel("entry/bdpt.cl", "render_independent")
         with device.compiling():
             self._launch(0)
@@ -60,6 +64,7 @@ class Bidirectional(Integrator):
             np.uint32(self.streams),
             np.uint32(0),
             self._table.buffer,
+            self._places.buffer,
             self._counters.buffer,
             self.film.buffer,
             np.int32(self.sampler.film_pixels),
@@ -75,11 +80,8 @@ class Bidirectional(Integrator):
         self.done += self.streams * STEPS_PER_LAUNCH
 
     def estimators(self) -> list[Estimator]:
-        unit = self.sampler.film_pixels * self.sampler.compiled.radiance_scale
-        return [
-            Estimator(group.name, self.film.slot(slot), unit / scale, group.chains * STEPS_PER_LAUNCH * self.launches)
-            for slot, (group, scale) in enumerate(zip(self.groups, self.scales, strict=True))
-        ]
+        scale = self.sampler.film_pixels * self.sampler.compiled.radiance_scale
+        return self.places.estimators(self.film, self.groups, scale, STEPS_PER_LAUNCH * self.launches)
 
     def mean_error(self) -> float | None:
         if not self.launches:

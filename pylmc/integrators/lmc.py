@@ -45,9 +45,12 @@ class LangevinMonteCarlo(Integrator):
         found = super().variance()
         if found is None:
             return None
-        for estimator, group in zip(self.estimators(), self.sampler.groups, strict=False):
+        groups, places = (*self.sampler.groups, *self.sampler.dark_groups), self.sampler.places
+        b = places.together(np.array([group.b for group in groups]))
+        errors = np.sqrt(places.together(np.array([0.0 if group.streams else group.b_error**2 for group in groups])))
+        for estimator, relative in zip(self.estimators(), errors / np.maximum(b, np.finfo(float).tiny), strict=True):
             # besides the splats' own noise, that of the normalisation, which all batches share
-            found = found + (group.b_error / group.b * (estimator.read() @ LUMINANCE)) ** 2
+            found = found + (relative * (estimator.read() @ LUMINANCE)) ** 2
         return found
 
     def mean_error(self) -> float | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from ..device import tables
 from ..device.arrays import Film, Floats, Records
 from ..device.device_scene import DeviceScene
+from .films import places
 from .groups import Group
 from .states import ChainArrays, chain_arrays, chain_records
 
@@ -97,17 +99,14 @@ def begun(
     )
 
 
-def independent_streams(device: DeviceScene, groups: Sequence[Group], first_slot: int) -> Records:
-    """The table from which entry/bdpt.cl draws a stream for each chain of ``groups``, a slot of the film a group."""
-    table = np.zeros(sum(group.chains for group in groups), tables.CHAIN_START)
-    for slot, (part, group) in enumerate(zip(np.split(table, np.cumsum([g.chains for g in groups])), groups, strict=False)):
-        part["length"], part["ending"], part["slot"], part["scale"] = (
-            group.length,
-            group.ending,
-            first_slot + slot,
-            1 / group.unit,
-        )
-    return Records.of(device, "ChainStart", table)
+def independent_streams(device: DeviceScene, groups: Sequence[Group], first_place: int) -> Records:
+    """The table from which entry/bdpt.cl draws a stream for each chain of ``groups``, a place of the film a group."""
+    parts = []
+    for place, group in enumerate(groups, first_place):
+        part = np.zeros(group.chains, tables.CHAIN_START)
+        part["length"], part["ending"], part["slot"], part["scale"] = group.length, group.ending, place, 1 / group.unit
+        parts.append(part)
+    return Records.of(device, "ChainStart", np.concatenate(parts))
 
 
 def resume(device: DeviceScene, arrays: ChainArrays, groups: Sequence[Group], evenness: np.ndarray, seed: int = 0) -> State:
@@ -125,17 +124,20 @@ def step_numbers(device: DeviceScene) -> tuple[np.float32, np.float32, np.float3
 def step(state: State, n: int, film: Film, **constants: Any) -> tuple[State, Info]:
     """Advance every chain by ``n`` steps, splatting into its group's slot of ``film``, and wait.
 
-    Launches end at whole multiples of STEPS_PER_LAUNCH steps and where the call does; how the steps are shared out among
-    calls changes nothing. ``constants`` replace kernel constants, for those who study variants of the kernel. Consumes
-    ``state``. Raises PylmcError if it was consumed before.
+    Where the film has fewer slots than there are groups, those of the longest paths share one: see
+    :mod:`pylmc.sampling.films`. Launches end at whole multiples of STEPS_PER_LAUNCH steps and where the call does; how the
+    steps are shared out among calls changes nothing. ``constants`` replace kernel constants, for those who study variants
+    of the kernel. Consumes ``state``. Raises PylmcError if it was consumed before.
     """
     chains, counters = state.chains.take(), state.counters.take()
     device, count = chains.device, chains.count
     kernel = device.kernel("entry/chains.cl", "run_chains", **constants)
-    log_units = device.upload_reals(np.log([group.unit for group in state.groups]))
+    groups = (*state.groups, *state.dark)
     units = np.ones(counters.count)
-    for group in (*state.groups, *state.dark):
+    for group in groups:
         units[group.first : group.first + group.chains] = group.unit
+    placed = places(groups, film.slots)
+    table = placed.table(device, refined(state, state.settled))
     settled, counted, done = state.settled, state.counted, 0
     while True:
         steps = min(STEPS_PER_LAUNCH - (state.steps + done) % STEPS_PER_LAUNCH, n - done)
@@ -147,7 +149,7 @@ def step(state: State, n: int, film: Film, **constants: Any) -> tuple[State, Inf
             np.int32(steps),
             np.uint32(count),
             *step_numbers(device),
-            log_units,
+            table.buffer,
             chains.buffer,
             counters.buffer,
             film.buffer,
@@ -164,6 +166,7 @@ def step(state: State, n: int, film: Film, **constants: Any) -> tuple[State, Inf
                 np.uint32(state.streams.count),
                 np.uint32(count),
                 state.streams.buffer,
+                table.buffer,
                 counters.buffer,
                 film.buffer,
                 np.int32(film.pixels),
@@ -174,10 +177,28 @@ def step(state: State, n: int, film: Film, **constants: Any) -> tuple[State, Inf
         if steps and (state.steps + done) % STEPS_PER_LAUNCH == 0:
             settled = counted
             counters.clear()
+            if placed.shared.any() and done < n:
+                table = placed.table(device, refined(state, settled))
         if done >= n:
             break
     moved = state._replace(chains=chains, counters=counters, counted=counted, settled=settled, steps=state.steps + n)
     return moved, counted.since(state.counted)
+
+
+def refined(state: State, counted: Info) -> list[Group]:
+    """Copies of the state's groups, dark ones last, that know what was counted."""
+    groups = [copy(group) for group in (*state.groups, *state.dark)]
+    refine(groups, state, counted)
+    return groups
+
+
+def refine(groups: Sequence[Group], state: State, counted: Info) -> None:
+    """Have the state's ``groups``, dark ones last, know what was counted."""
+    sums = (state.by_group(values) for values in (counted.proposed, counted.weight, counted.weight_square))
+    large_steps = state.chains.device.settings.large_steps
+    for group, begun, moves, weight, square in zip(groups, (*state.groups, *state.dark), *sums, strict=True):
+        steps = int(moves.sum()) // max(group.chains, 1)
+        group.refine(begun, steps, int(moves[0]), float(weight), float(square), large_steps)
 
 
 def _read(counters: Records, units: np.ndarray) -> Info:

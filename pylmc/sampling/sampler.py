@@ -22,8 +22,9 @@ from ..picture.estimators import Estimator, picture
 from ..scene import Scene
 from ..settings import Settings, explained
 from . import start, views
-from .chains import STEPS_PER_LAUNCH, Info, State, step
+from .chains import STEPS_PER_LAUNCH, Info, State, refine, step
 from .compiled import compile_scene
+from .films import Places, film_for, places
 from .groups import Group
 from .limits import limits
 from .states import Counters, States, Trial
@@ -76,7 +77,10 @@ class Sampler:
 
     @property
     def film(self) -> Film:
-        """What the chains have splatted, a slot a group. Raises PylmcError before ``init``."""
+        """What the chains have splatted, a slot a group while memory allows (see :mod:`pylmc.sampling.films`).
+
+        Raises PylmcError before ``init``.
+        """
         if self._film is None:
             raise PylmcError("the chains have not been started: call Sampler.init(seed) first")
         return self._film
@@ -138,7 +142,7 @@ class Sampler:
         camera = self.scene.camera
         self._state, self._counted, self._untold_not_finite = state, None, state.not_finite
         self.groups, self.dark_groups = ([copy(group) for group in some] for some in (state.groups, state.dark))
-        self._film = Film(self.device_scene, len(state.groups) + len(state.dark), camera.height, camera.width)
+        self._film = film_for(self.device_scene, len(state.groups) + len(state.dark), camera.height, camera.width)
 
     def step(self, n: int = STEPS_PER_LAUNCH, **constants: Any) -> None:
         """Advance every chain by ``n`` steps and wait; large steps refine each group's b.
@@ -148,17 +152,7 @@ class Sampler:
         n = check_integer("n", n, 0, 1 << 40)
         self._state, info = step(self.state, n, self.film, **constants)
         self._counted = info if self._counted is None else self._counted + info
-        state = self.state
-        sums = (state.by_group(x) for x in (state.counted.proposed[:, 0], state.counted.weight, state.counted.weight_square))
-        now, then = (*self.groups, *self.dark_groups), (*state.groups, *state.dark)
-        for group, begun, drawn, weight, square in zip(now, then, *sums, strict=True):
-            group.steps += n
-            group.weighed = begun.weighed + int(drawn)
-            group.weight_sum = begun.weight_sum + float(weight)
-            group.weight_square_sum = begun.weight_square_sum + float(square)
-        for group, begun in zip(self.dark_groups, state.dark, strict=True):
-            large = self.settings.large_steps * group.steps * group.chains  # those that chains would have made
-            group.weighed, group.share = group.weighed - begun.weighed, large / (begun.weighed + large)
+        refine((*self.groups, *self.dark_groups), self.state, self.state.counted)
 
     def counters(self) -> Counters:
         """What the chains counted since the last call.
@@ -174,14 +168,15 @@ class Sampler:
         proposed, acceptance, trace = (of_all[: self.chains] for of_all in (info.proposed, info.acceptance, info.trace))
         return Counters(proposed, acceptance, trace, not_finite, int(info.rays.sum()))
 
+    @property
+    def places(self) -> Places:
+        """Where the groups' splats go, the dark ones' after the others'."""
+        return places((*self.state.groups, *self.state.dark), self.film.slots)
+
     def estimators(self) -> list[Estimator]:
-        """The picture's parts: one for each group, the dark ones after the others."""
+        """The picture's parts, one for each slot of the film."""
         scale = self.film_pixels * self.compiled.radiance_scale
-        units = [group.b for group in self.groups] + [group.share * group.unit for group in self.dark_groups]
-        return [
-            Estimator(group.name, self.film.slot(slot), unit * scale, group.steps * group.chains)
-            for slot, (group, unit) in enumerate(zip((*self.groups, *self.dark_groups), units, strict=True))
-        ]
+        return self.places.estimators(self.film, (*self.groups, *self.dark_groups), scale, self.state.steps)
 
     def image(self) -> np.ndarray:
         """The picture so far (height, width, 3), float64, in the scene's units of radiance."""

@@ -123,6 +123,7 @@ def start(device: DeviceScene, seed: int, chains: int, candidates: int, evenness
     total = sum(group.b for group in groups)
     first = 0
     for group in (*groups, *dark):
+        group.streams = not group.weight_sum > 0
         group.first, group.unit = first, group.b or DARK_UNIT * total
         first += group.chains
     rng = np.random.default_rng([seed, 1])
