@@ -17,9 +17,7 @@ from .compiled_scene import CompiledScene
 from .handlers import kept_handlers
 from .precision import NAME_OF_REAL, on_device, real_fields
 from .survey import context_and_queue, select
-
-# Private memory of one work-item is several kilobytes; PoCL keeps a whole work-group's on a thread's stack.
-WORK_GROUP = 16
+from .work_groups import padded, work_group
 
 
 class DeviceScene:
@@ -156,9 +154,9 @@ class DeviceScene:
         ``evenness``: the density's weights over the film (see :mod:`pylmc.sampling.evenness`), in place of the scene's
         own, which are one everywhere.
         """
-        size = -(-count // WORK_GROUP) * WORK_GROUP
+        group = work_group(kernel, self.device)
         buffers = self.buffers if evenness is None else {**self.buffers, "evenness": evenness}
-        kernel(self.queue, (size,), (WORK_GROUP,), *buffers.values(), *arguments)
+        kernel(self.queue, (padded(count, group),), (group,), *buffers.values(), *arguments)
 
     def read(self, buffer: cl.Buffer, dtype: Any, shape: Any) -> np.ndarray:
         """Wait for the queue and copy a buffer to a new array."""
