@@ -33,7 +33,7 @@ real3 emitter_sample(Scene *scene, Vertex *vertex, real3 wi, Rng *rng) {
     real distance2 = length2(towards), scale;
     real3 wo = towards * rsqrt(distance2);
     real cosine = -dot(light.ng, wo);
-    if (cosine <= 0.0) return direct;
+    if (cosine <= 0.0 || !is_met(scene, &light)) return direct;
     settle_lobe(scene, vertex, wi, wo);
     real3 value = lobe_value(scene, vertex, wi, wo, &scale);
     real density = emitter_density(scene, &light) * distance2 / cosine;

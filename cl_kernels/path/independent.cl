@@ -35,6 +35,7 @@ bool draw_from_light(Scene *scene, Path *path, int k, Rng *rng) {
         place_at_light(scene, path->light, last);
     } else {
         sample_emitter(scene, rng, last);
+        if (!is_met(scene, last)) return false;
     }
     for (int j = length - 1; j > k; j--) {
         Vertex *from = &path->vertex[j + 1], *vertex = &path->vertex[j];

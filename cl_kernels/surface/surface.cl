@@ -72,17 +72,39 @@ real3 ray_origin(const Vertex *vertex, real3 d) {
 // the triangle's plane is solved again from x itself, so that the node lies on the line from x along v as exactly as `real`
 // can say. Rays that graze the plane, where the two disagree by more than an edge's width, keep what the tree said.
 #define SOLVED_OUTSIDE 0.01
-void solve_triangle(const Scene *scene, int triangle, real3 x, real3 v, real *bu, real *bv) {
+bool solve_triangle(const Scene *scene, int triangle, real3 x, real3 v, real outside, real *bu, real *bv) {
     int i0 = scene->faces[3 * triangle], i1 = scene->faces[3 * triangle + 1], i2 = scene->faces[3 * triangle + 2];
     real3 p0 = load3(scene->vertices, i0), e1 = load3(scene->vertices, i1) - p0, e2 = load3(scene->vertices, i2) - p0;
     real3 normal = vec3(scene->triangles[triangle].normal);
     real t = dot(p0 - x, normal) / dot(v, normal), area = dot(cross(e1, e2), normal);
     real3 offset = x + t * v - p0;
     real u = dot(cross(offset, e2), normal) / area, w = dot(cross(e1, offset), normal) / area;
-    if (t > 0.0 && u > -SOLVED_OUTSIDE && w > -SOLVED_OUTSIDE && u + w < 1.0 + SOLVED_OUTSIDE) {
-        *bu = u;
-        *bv = w;
-    }
+    if (!(t > 0.0 && u > -outside && w > -outside && u + w < 1.0 + outside)) return false;
+    *bu = u;
+    *bv = w;
+    return true;
+}
+
+// Where triangles lie on each other, rounding decides which of them the tree names, and decides otherwise for another ray. Who
+// is met there is settled on the host (pylmc/geometry/coincident.py): each side of a triangle has a list of those that are met
+// in its place, first come first served. The one that the line from x along v meets at `triangle`; bu and bv become its own.
+int owner(const Scene *scene, int triangle, real3 x, real3 v, real *bu, real *bv) {
+#if HAS_TIES
+    int side = 2 * triangle + (dot(v, vec3(scene->triangles[triangle].normal)) > 0.0);
+    for (int i = scene->ties[side]; i < scene->ties[side + 1]; i++)
+        if (solve_triangle(scene, scene->ties[i], x, v, 0.0, bu, bv)) return scene->ties[i];
+#endif
+    return triangle;
+}
+
+// Is this point what a ray from the front of its triangle meets? A point of a lamp that is not gives no light.
+bool is_met(const Scene *scene, const Vertex *vertex) {
+#if HAS_TIES
+    real bu, bv;
+    return owner(scene, vertex->triangle, vertex->x + vertex->ng, -vertex->ng, &bu, &bv) == vertex->triangle;
+#else
+    return true;
+#endif
 }
 
 // The node met by the ray from `from` along v; v and t are those of the segment just traced.
@@ -91,8 +113,9 @@ bool trace_to_vertex(Scene *scene, const Vertex *from, real3 v, Vertex *vertex) 
     Hit hit;
     if (!trace(scene, ray_origin(from, v), v, &hit)) return false;
     real bu = hit.u, bv = hit.v;
-    solve_triangle(scene, hit.triangle, x, v, &bu, &bv);
-    place_on_triangle(scene, hit.triangle, bu, bv, vertex);
+    solve_triangle(scene, hit.triangle, x, v, SOLVED_OUTSIDE, &bu, &bv);
+    int triangle = owner(scene, hit.triangle, x, v, &bu, &bv);
+    place_on_triangle(scene, triangle, bu, bv, vertex);
     vertex->v = v;
     real3 segment = vertex->x - x;
     vertex->t = length(segment);

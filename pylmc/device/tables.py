@@ -97,6 +97,7 @@ SCENE_ARRAYS: dict[str, str] = {
     "targets": "Target",
     "camera": "Camera",
     "evenness": "float",
+    "ties": "int",
 }
 # Element types whose arrays keep the type they were made with: the tree's, and those that are single precision by nature.
 FIXED_TYPES = ("BvhNode", "BvhLeaf", "float")

@@ -28,6 +28,7 @@ from ..scene import Portal, Scene, Shape, Texture
 from ..scene.lights.light import INFINITY, Placement
 from .compiled_lights import light_arrays, power_of_two
 from .evenness import GRID
+from .ties import find_ties
 
 
 def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
@@ -55,12 +56,12 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
     corners = vertices[faces]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     doubled = np.linalg.norm(cross, axis=1)
-    geometric = np.where(doubled[:, None] > 0, cross / np.where(doubled > 0, doubled, 1)[:, None], [0.0, 0.0, 1.0])
+    normals = cross / np.where(doubled > 0, doubled, 1)[:, None]
 
     materials, material_of_shape, lobe_kinds = _materials(scene.shapes)
     lights = light_arrays(scene, doubled / 2, shape_of, placement)
     triangles = np.zeros(len(faces), tables.TRIANGLE_INFO)
-    triangles["normal"] = geometric
+    triangles["normal"] = np.where(doubled[:, None] > 0, normals, [0.0, 0.0, 1.0])
     triangles["material"] = material_of_shape[shape_of]
     triangles["object"] = object_of
     triangles["emitter"] = lights.emitter_of_shape[shape_of]
@@ -80,6 +81,7 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
         **{name: records for of_kind in constraints for name, records in of_kind.items()},
         "camera": _camera(scene, centre, scale),
         "evenness": np.ones((GRID, GRID), np.float32),
+        "ties": find_ties(scene, mesh, corners, normals, _transmit(materials)[triangles["material"]], kind.trace),
     }
     arrays["targets"] = _targets(arrays["portals"], objects, plan.aimed_objects, placement)
     for name in (name for name, kind in tables.SCENE_ARRAYS.items() if kind not in tables.FIXED_TYPES):
@@ -95,6 +97,7 @@ def compile_scene(scene: Scene, precision: str = "single") -> CompiledScene:
         "HAS_NARROW": bool(arrays["lobes"]["narrow"].any()),
         "HAS_SMOOTH": bool(mesh.smooth.any()),
         "HAS_TEXTURES": len(arrays["textures"]) > 0,
+        "HAS_TIES": len(arrays["ties"]) > 0,
     }
     for constraint in plan.constraints:
         features |= constraint.features()
@@ -159,6 +162,12 @@ def _lobe_records(lobes: Sequence[Lobe], layout: list[Any]) -> np.ndarray:
         for name, value in lobe.values().items():
             record[name] = value
     return records
+
+
+def _transmit(materials: dict[str, np.ndarray]) -> np.ndarray:
+    """Whether light passes through each material."""
+    lobes = materials["lobes"]["pair"] < 0
+    return np.logical_or.reduceat(lobes, materials["materials"]["first_lobe"])
 
 
 def _textures(textures: Sequence[Texture]) -> dict[str, np.ndarray]:
