@@ -64,6 +64,10 @@ def variants(name: str, device: Any) -> dict[str, Variant]:
             "with drift": (own, {"DRIFT": True}),
         }
     for sampler in (own, general):
+        if not sampler.compiled.features["HAS_TIES"]:  # a table in which nothing lies on any side of a triangle
+            sides = 2 * len(sampler.compiled.arrays["faces"])
+            device_scene = sampler.device_scene
+            device_scene.buffers["ties"] = device_scene.upload(np.full(sides + 1, sides + 1, np.int32))
         sampler.init(seed=1, chains=CHAINS, candidates=1 << 15)
     return found
 
