@@ -7,9 +7,9 @@
 // A large step's weight counts in units of its group's b, and for no more than e to this: its square must stay finite.
 #define MOST_LOG_WEIGHT 42.0
 
-// places: by group.
-PATH_KERNEL void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int steps, uint chains, float p_large,
-                            float log_h_min, float log_h_max, __global const FilmPlace *places, __global ChainState *states,
+// numbers: the moves', see markov_step. places: by group.
+PATH_KERNEL void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int steps, uint chains,
+                            __global const float *numbers, __global const FilmPlace *places, __global ChainState *states,
                             __global ChainCounters *counters, __global volatile uint *film, int film_pixels) {
     uint index = get_global_id(0);
     if (index >= chains) return;
@@ -19,7 +19,7 @@ PATH_KERNEL void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int s
     Path paths[2];
     int now = 0;
     load_path(&scene, state, &paths[0]);
-    real log_i = state->log_i, log_p = state->log_p;
+    Current current = {&paths[0], state->log_i, state->log_p};
     real3 colour = vec3(state->colour);
     int pixel = max(pixel_of(&scene, paths[0].vertex[1].v), 0);  // a chain that starts dark has none
     FilmPlace place = places[state->slot];
@@ -30,17 +30,17 @@ PATH_KERNEL void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int s
 
     for (int step = 0; step < steps; step++) {
         Rng rng = rng_open(seed, index, first_step + step, PURPOSE_CHAIN);
-        Path *x = &paths[now], *y = &paths[1 - now];
+        Path *y = &paths[1 - now];
         MarkovStep taken;
-        markov_step(&scene, x, log_i, &log_p, p_large, log_h_min, log_h_max, &rng, y, &taken);
+        markov_step(&scene, &current, numbers, &rng, y, &taken);
         real log_weight = taken.radiance.log_i - taken.log_forward - place.log_unit;
-        if (taken.move == 0 && isfinite(log_weight)) {
+        if (taken.move == MOVE_LARGE && isfinite(log_weight)) {
             real weight = exp(fmin(log_weight, MOST_LOG_WEIGHT));
             weight_sum += weight;
             weight_square_sum += weight * weight;
         }
         if (taken.outcome == STEP_NOT_FINITE) count->not_finite++;
-        count->proposed[taken.move]++;
+        count->proposed[taken.column]++;
         if (taken.acceptance < 1.0) {
             film_add(film, slot + pixel, place.scale * ((1.0 - taken.acceptance) * colour));
             splatted += (1.0 - taken.acceptance) * brightness;
@@ -51,11 +51,12 @@ PATH_KERNEL void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int s
             film_add(film, slot + pixel_new, place.scale * (taken.acceptance * colour_new));
             real brightness_new = luminance(colour_new);
             splatted += taken.acceptance * brightness_new;
-            count->acceptance[taken.move] += taken.acceptance;
+            count->acceptance[taken.column] += taken.acceptance;
             if (step_accepted(&taken)) {
                 now = 1 - now;
-                log_i = taken.radiance.log_i;
-                log_p = taken.move == 0 ? taken.log_forward : UNKNOWN;
+                current.path = y;
+                current.log_i = taken.radiance.log_i;
+                current.log_p = taken.move == MOVE_LARGE ? taken.log_forward : UNKNOWN;
                 colour = colour_new;
                 brightness = brightness_new;
                 pixel = pixel_new;
@@ -63,8 +64,8 @@ PATH_KERNEL void run_chains(SCENE_PARAMETERS, uint seed, ulong first_step, int s
         }
     }
     store_path(&scene, &paths[now], state);
-    state->log_i = log_i;
-    state->log_p = log_p;
+    state->log_i = current.log_i;
+    state->log_p = current.log_p;
     vstore3(colour, 0, state->colour);
     count->weight_sum = weight_sum;
     count->weight_square_sum = weight_square_sum;

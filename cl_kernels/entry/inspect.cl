@@ -69,10 +69,11 @@ PATH_KERNEL void displace_chains(SCENE_PARAMETERS, uint chains, __global const C
     }
 }
 
-// One step of each chain, which stay as they are: what was drawn, proposed and decided. drawn: its move and outcome; numbers:
+// One step of each chain, which stay as they are: what was drawn, proposed and decided. numbers: the moves', see
+// markov_step. drawn: what it is counted as, and its outcome; values:
 // h, log p(X^|X), log p(X|X^), log of the density, acceptance, and the number that it was compared with.
-PATH_KERNEL void try_step(SCENE_PARAMETERS, uint seed, ulong step, uint chains, float p_large, float log_h_min, float log_h_max,
-                          __global const ChainState *states, __global int *drawn, __global real *numbers, __global real *xi_out,
+PATH_KERNEL void try_step(SCENE_PARAMETERS, uint seed, ulong step, uint chains, __global const float *numbers,
+                          __global const ChainState *states, __global int *drawn, __global real *values, __global real *xi_out,
                           __global real *node_out, __global real *directions, __global int *lobes_out,
                           __global int *triangles_met) {
     uint index = get_global_id(0);
@@ -80,20 +81,20 @@ PATH_KERNEL void try_step(SCENE_PARAMETERS, uint seed, ulong step, uint chains, 
     Scene scene = SCENE_BUNDLE;
     Path path, proposal;
     load_path(&scene, &states[index], &path);
-    real log_p = states[index].log_p;
+    Current current = {&path, states[index].log_i, states[index].log_p};
     Rng rng = rng_open(seed, index, step, PURPOSE_CHAIN);
     MarkovStep taken;
-    markov_step(&scene, &path, states[index].log_i, &log_p, p_large, log_h_min, log_h_max, &rng, &proposal, &taken);
-    drawn[2 * index] = taken.move;
+    markov_step(&scene, &current, numbers, &rng, &proposal, &taken);
+    drawn[2 * index] = taken.column;
     drawn[2 * index + 1] = taken.outcome;
-    __global real *out = numbers + 6 * index;
+    __global real *out = values + 6 * index;
     out[0] = taken.h;
     out[1] = taken.log_forward;
     out[2] = taken.log_reverse;
     out[3] = taken.radiance.log_i;
     out[4] = taken.acceptance;
     out[5] = taken.drawn;
-    for (int k = 0; k < 2 * taken.move; k++) xi_out[(size_t)index * 2 * MAX_DEPTH + k] = taken.xi[k];
+    for (int k = 0; k < taken.normals; k++) xi_out[(size_t)index * 2 * MAX_DEPTH + k] = taken.xi[k];
     if (taken.outcome == STEP_NO_PATH) return;
     for (int i = 1; i <= path.length; i++) {
         size_t at = (size_t)index * MAX_DEPTH + i - 1;

@@ -58,13 +58,14 @@ void settle_lobes(const Scene *scene, Path *path) {
     for (int i = 1; i < path->length; i++) settle_lobe(scene, &path->vertex[i], -path->vertex[i].v, path->vertex[i + 1].v);
 }
 
-// Draw a path of the given length and ending, and its integrand; false where the draw came to nothing (its weight is zero).
-bool sample_path(Scene *scene, int length, int ending, Rng *rng, Path *path, Radiance *radiance) {
+int choose_split(int length, int ending, Rng *rng) { return rng_index(rng, split_count(length, ending)); }
+
+// Draw a path of the given length, ending and split, and its integrand; false where the draw came to nothing (its weight is zero).
+bool sample_split(Scene *scene, int length, int ending, int k, Rng *rng, Path *path, Radiance *radiance) {
     path->length = length;
     path->ending = ending;
     path->light = 0;
     start_at_camera(scene, &path->vertex[0]);
-    int k = rng_index(rng, split_count(length, ending));
     if (!draw_from_camera(scene, path, k, rng)) return false;
     if (k < length) {
         if (!draw_from_light(scene, path, k, rng)) return false;
@@ -78,6 +79,11 @@ bool sample_path(Scene *scene, int length, int ending, Rng *rng, Path *path, Rad
     settle_lobes(scene, path);
     *radiance = integrand(scene, path);
     return !is_minus_infinity(radiance->log_i);
+}
+
+bool sample_path(Scene *scene, int length, int ending, Rng *rng, Path *path, Radiance *radiance) {
+    int k = choose_split(length, ending, rng);
+    return sample_split(scene, length, ending, k, rng, path, radiance);
 }
 
 // log p_ind of any path.

@@ -11,6 +11,7 @@ import numpy as np
 import pyopencl as cl
 
 from ..errors import PylmcError
+from ..moves import columns, move_files, move_macros
 from ..settings import Settings
 from . import forks, program, structs, tables
 from .compiled_scene import CompiledScene
@@ -58,7 +59,7 @@ class DeviceScene:
         vertex = self._declare(vertex_name, tables.CHAIN_VERTEX)
         self._declarations.append(f"typedef {vertex_name} ChainVertex;")
         self._declare("ChainState", tables.chain_state(settings.max_depth, vertex))
-        self._declare("ChainCounters", tables.chain_counters(settings.max_depth))
+        self._declare("ChainCounters", tables.chain_counters(len(columns(settings))))
         self.buffers = {name: self._upload_scene_array(name, kind) for name, kind in tables.SCENE_ARRAYS.items()}
 
     @property
@@ -126,6 +127,7 @@ class DeviceScene:
                 **tables.scene_macros(),
                 **tables.enumerations(),
                 **tables.dispatch(kinds),
+                **move_macros(self.settings),
                 "NEEDS_TANGENTS": bool(kinds.constraints) or self.settings.drift,
                 **features,
                 **self.settings.defines(),
@@ -139,7 +141,7 @@ class DeviceScene:
                     self.context,
                     source,
                     defines=defines,
-                    files=tables.files(kinds),
+                    files={**tables.files(kinds), "MOVE_FILES": move_files()},
                     structs=self._declarations,
                     real=self.precision.real,
                     math=self.settings.math,

@@ -211,16 +211,16 @@ def chain_state(max_depth: int, vertex: np.dtype) -> list[Any]:
     ]
 
 
-def chain_counters(max_depth: int) -> list[Any]:
+def chain_counters(columns: int) -> list[Any]:
     """What a chain, or a stream of independent paths, counts.
 
-    Entry 0 of ``proposed`` and ``acceptance`` is the large step, or the independent path; entry m is the block of m.
+    ``proposed`` and ``acceptance`` have a column for each of the moves' (pylmc/moves); independent paths count in the first.
     ``weight_sum`` and ``weight_square_sum`` are of large steps, in units of the group's b; ``splatted`` is luminance on the
     film, ``trace`` the film position where a launch left the chain.
     """
     return [
-        ("proposed", np.uint32, (max_depth + 1,)),
-        ("acceptance", np.float64, (max_depth + 1,)),
+        ("proposed", np.uint32, (columns,)),
+        ("acceptance", np.float64, (columns,)),
         ("not_finite", np.uint32),
         ("rays", np.uint32),
         ("weight_sum", np.float64),

@@ -8,6 +8,7 @@ import numpy as np
 import pyopencl as cl
 
 from ..colour import LUMINANCE
+from ..moves import columns
 from ..picture.estimators import Estimator
 from ..sampling.chains import STEPS_PER_LAUNCH
 from ..sampling.mean_error import mean_variance
@@ -69,9 +70,9 @@ class LangevinMonteCarlo(Integrator):
         for i, group in enumerate(self.sampler.groups):
             rates = acceptance[i] / np.maximum(proposed[i], 1)
             kinds = {
-                "large" if m == 0 else f"small, first {m} directions": round(float(rates[m]), 4)
-                for m in range(len(rates))
-                if proposed[i, m] > 0
+                name: round(float(rate), 4)
+                for name, rate, count in zip(columns(self.sampler.settings), rates, proposed[i], strict=True)
+                if count > 0
             }
             entry: dict[str, Any] = {
                 "chains": group.chains,

@@ -11,6 +11,7 @@ import numpy as np
 from ..device import tables
 from ..device.arrays import Film, Floats, Records
 from ..device.device_scene import DeviceScene
+from ..moves import move_numbers
 from .films import places
 from .groups import Group
 from .states import ChainArrays, chain_arrays, chain_records
@@ -115,12 +116,6 @@ def resume(device: DeviceScene, arrays: ChainArrays, groups: Sequence[Group], ev
     return begun(chains, groups, Floats(device, evenness), seed, np.arange(chains.count))
 
 
-def step_numbers(device: DeviceScene) -> tuple[np.float32, np.float32, np.float32]:
-    """What markov_step.cl needs to know of a step: the probability of a large one, and the range of log h."""
-    low, high = device.settings.step_length
-    return np.float32(device.settings.large_steps), np.float32(np.log(low)), np.float32(np.log(high))
-
-
 def step(state: State, n: int, film: Film, **constants: Any) -> tuple[State, Info]:
     """Advance every chain by ``n`` steps, splatting into its group's slot of ``film``, and wait.
 
@@ -132,6 +127,7 @@ def step(state: State, n: int, film: Film, **constants: Any) -> tuple[State, Inf
     chains, counters = state.chains.take(), state.counters.take()
     device, count = chains.device, chains.count
     kernel = device.kernel("entry/chains.cl", "run_chains", **constants)
+    numbers = device.upload(move_numbers(device.settings))
     groups = (*state.groups, *state.dark)
     units = np.ones(counters.count)
     for group in groups:
@@ -148,7 +144,7 @@ def step(state: State, n: int, film: Film, **constants: Any) -> tuple[State, Inf
             np.uint64(state.steps + done),
             np.int32(steps),
             np.uint32(count),
-            *step_numbers(device),
+            numbers,
             table.buffer,
             chains.buffer,
             counters.buffer,

@@ -129,7 +129,7 @@ class Trial(NamedTuple):
 
 
 class Counters(NamedTuple):
-    """What the chains counted since the last call: chains first, then column 0 the large step, column m the block of m.
+    """What the chains counted since the last call: chains first, then a column for each of ``moves``, which are their names.
 
     trace (chains, 2): where on the film (x to the right, y down, 0 to 1) each chain is now.
     """
@@ -139,3 +139,4 @@ class Counters(NamedTuple):
     trace: np.ndarray
     not_finite: int
     rays: int
+    moves: tuple[str, ...]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .chains import State, step_numbers
+from ..moves import move_numbers
+from .chains import State
 from .states import States, Trial
 
 
@@ -96,7 +97,7 @@ def trial(state: State, number: int | None = None) -> Trial:
         np.uint32(state.seed),
         np.uint64(number),
         np.uint32(chains),
-        *step_numbers(device),
+        device.upload(move_numbers(device.settings)),
         state.chains.buffer,
         whole["drawn"],
         real["numbers"],
@@ -111,7 +112,7 @@ def trial(state: State, number: int | None = None) -> Trial:
     numbers, xi, nodes, directions = (device.read_reals(real[name], (chains, *shape)) for name, shape in reals.items())
     move, exists = drawn[:, 0], drawn[:, 1] != 1  # STEP_NO_PATH
     h, log_forward, log_reverse, log_pi, acceptance, uniform = numbers.T.astype(np.float64)
-    # small_step.cl leaves out what the step and its reverse have in common
+    # moves/small.cl leaves out what the step and its reverse have in common
     common = np.where(move > 0, move * np.log(2 * np.pi) + 2 * move * np.log(np.where(move > 0, h, 1)), 0)
     log_pi = np.where(exists, log_pi, np.nan)
     return Trial(

@@ -12,7 +12,20 @@ ROOT = Path(__file__).parents[2]
 
 # Rooms in the order in which data flows: each may import those before it. "pylmc" is the package's own __init__.
 ORDER = (
-    *("errors", "checks", "colour", "caches", "pylmc", "options", "interruption", "progress", "settings", "lobes", "scene"),
+    *(
+        "errors",
+        "checks",
+        "colour",
+        "caches",
+        "pylmc",
+        "options",
+        "interruption",
+        "progress",
+        "settings",
+        "moves",
+        "lobes",
+        "scene",
+    ),
     *("geometry", "constraints", "device", "picture", "sampling", "integrators", "inspection", "rendering", "cli", "__main__"),
 )
 # Rooms that may import these alone.

@@ -1,0 +1,19 @@
+"""The large step: an independent path of the same length and ending."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from ..settings import Settings
+from .move import Move
+
+
+class Large(Move):
+    """Drawn by the bidirectional independent sampler (theory.md, 6); the one move that a chain without a path can make."""
+
+    name: ClassVar[str] = "large"
+    state: ClassVar[str] = "LargeStep"
+
+    @classmethod
+    def chance(cls, settings: Settings) -> float:
+        return settings.large_steps
