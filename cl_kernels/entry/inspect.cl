@@ -1,6 +1,8 @@
 // The chains laid open, for the Sampler's arrays and for tests: nodes, directions, deviations, densities, the factor L, and
 // where a given displacement in the charts or one step of the chain leads.
 #include "entry/path_kernel.cl"
+#include "constraints/preconditioner.cl"
+#include "moves/displace.cl"
 #include "moves/markov_step.cl"
 
 // block: how many leading directions; 0: all free ones. A path with a direction out of its chart's reach has no kinds and no L.

@@ -11,7 +11,7 @@ import numpy as np
 import pyopencl as cl
 
 from ..errors import PylmcError
-from ..moves import columns, move_files, move_macros
+from ..moves import Moves
 from ..settings import Settings
 from . import forks, program, structs, tables
 from .compiled_scene import CompiledScene
@@ -30,6 +30,7 @@ class DeviceScene:
 
     def __init__(self, compiled: CompiledScene, settings: Settings, device: Any = None, precision: str = "single") -> None:
         self.compiled, self.settings = compiled, settings
+        self.moves = Moves(settings, compiled.features)
         self.device = device if isinstance(device, cl.Device) else select(device)
         self.precision = on_device(precision, self.device)
         if settings.math == "native" and self.precision.real != "float":
@@ -59,7 +60,7 @@ class DeviceScene:
         vertex = self._declare(vertex_name, tables.CHAIN_VERTEX)
         self._declarations.append(f"typedef {vertex_name} ChainVertex;")
         self._declare("ChainState", tables.chain_state(settings.max_depth, vertex))
-        self._declare("ChainCounters", tables.chain_counters(len(columns(settings))))
+        self._declare("ChainCounters", tables.chain_counters(len(self.moves.columns())))
         self.buffers = {name: self._upload_scene_array(name, kind) for name, kind in tables.SCENE_ARRAYS.items()}
 
     @property
@@ -127,7 +128,7 @@ class DeviceScene:
                 **tables.scene_macros(),
                 **tables.enumerations(),
                 **tables.dispatch(kinds),
-                **move_macros(self.settings),
+                **self.moves.macros(),
                 "NEEDS_TANGENTS": bool(kinds.constraints) or self.settings.drift,
                 **features,
                 **self.settings.defines(),
@@ -141,7 +142,7 @@ class DeviceScene:
                     self.context,
                     source,
                     defines=defines,
-                    files={**tables.files(kinds), "MOVE_FILES": move_files()},
+                    files={**tables.files(kinds), "MOVE_FILES": self.moves.files()},
                     structs=self._declarations,
                     real=self.precision.real,
                     math=self.settings.math,

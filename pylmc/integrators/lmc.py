@@ -8,7 +8,6 @@ import numpy as np
 import pyopencl as cl
 
 from ..colour import LUMINANCE
-from ..moves import columns
 from ..picture.estimators import Estimator
 from ..sampling.chains import STEPS_PER_LAUNCH
 from ..sampling.mean_error import mean_variance
@@ -71,7 +70,7 @@ class LangevinMonteCarlo(Integrator):
             rates = acceptance[i] / np.maximum(proposed[i], 1)
             kinds = {
                 name: round(float(rate), 4)
-                for name, rate, count in zip(columns(self.sampler.settings), rates, proposed[i], strict=True)
+                for name, rate, count in zip(self.sampler.device_scene.moves.columns(), rates, proposed[i], strict=True)
                 if count > 0
             }
             entry: dict[str, Any] = {

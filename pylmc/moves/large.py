@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 from ..settings import Settings
 from .move import Move
@@ -15,5 +16,5 @@ class Large(Move):
     state: ClassVar[str] = "LargeStep"
 
     @classmethod
-    def chance(cls, settings: Settings) -> float:
+    def chance(cls, settings: Settings, features: Mapping[str, Any]) -> float:
         return settings.large_steps

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 from ..settings import Settings
 
@@ -14,8 +15,8 @@ class Move:
     state: ClassVar[str] = ""
 
     @classmethod
-    def chance(cls, settings: Settings) -> float:
-        """The probability that a step is this move."""
+    def chance(cls, settings: Settings, features: Mapping[str, Any]) -> float:
+        """The probability that a step is this move, in a scene with these ``features``; 0: it is left out of the kernels."""
         raise NotImplementedError
 
     @classmethod

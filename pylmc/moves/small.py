@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -17,7 +18,8 @@ class Small(Move):
     state: ClassVar[str] = "SmallStep"
 
     @classmethod
-    def chance(cls, settings: Settings) -> float:
+    def chance(cls, settings: Settings, features: Mapping[str, Any]) -> float:
+        """What the other moves leave."""
         return 1 - settings.large_steps
 
     @classmethod

@@ -11,7 +11,6 @@ import numpy as np
 from ..device import tables
 from ..device.arrays import Film, Floats, Records
 from ..device.device_scene import DeviceScene
-from ..moves import move_numbers
 from .films import places
 from .groups import Group
 from .states import ChainArrays, chain_arrays, chain_records
@@ -127,7 +126,7 @@ def step(state: State, n: int, film: Film, **constants: Any) -> tuple[State, Inf
     chains, counters = state.chains.take(), state.counters.take()
     device, count = chains.device, chains.count
     kernel = device.kernel("entry/chains.cl", "run_chains", **constants)
-    numbers = device.upload(move_numbers(device.settings))
+    numbers = device.upload(device.moves.numbers())
     groups = (*state.groups, *state.dark)
     units = np.ones(counters.count)
     for group in groups:

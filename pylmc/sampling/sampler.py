@@ -18,7 +18,6 @@ from ..checks import check_integer
 from ..device.arrays import Film
 from ..device.device_scene import DeviceScene
 from ..errors import PylmcError, PylmcWarning
-from ..moves import columns
 from ..picture.estimators import Estimator, picture
 from ..scene import Scene
 from ..settings import Settings, explained
@@ -167,7 +166,7 @@ class Sampler:
         not_finite = int(info.not_finite.sum()) + self._untold_not_finite
         self._untold_not_finite = 0
         proposed, acceptance, trace = (of_all[: self.chains] for of_all in (info.proposed, info.acceptance, info.trace))
-        return Counters(proposed, acceptance, trace, not_finite, int(info.rays.sum()), columns(self.settings))
+        return Counters(proposed, acceptance, trace, not_finite, int(info.rays.sum()), self.device_scene.moves.columns())
 
     @property
     def places(self) -> Places:

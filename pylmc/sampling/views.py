@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..moves import move_numbers
 from .chains import State
 from .states import States, Trial
 
@@ -97,7 +96,7 @@ def trial(state: State, number: int | None = None) -> Trial:
         np.uint32(state.seed),
         np.uint64(number),
         np.uint32(chains),
-        device.upload(move_numbers(device.settings)),
+        device.upload(device.moves.numbers()),
         state.chains.buffer,
         whole["drawn"],
         real["numbers"],
@@ -113,7 +112,8 @@ def trial(state: State, number: int | None = None) -> Trial:
     move, exists = drawn[:, 0], drawn[:, 1] != 1  # STEP_NO_PATH
     h, log_forward, log_reverse, log_pi, acceptance, uniform = numbers.T.astype(np.float64)
     # moves/small.cl leaves out what the step and its reverse have in common
-    common = np.where(move > 0, move * np.log(2 * np.pi) + 2 * move * np.log(np.where(move > 0, h, 1)), 0)
+    m = np.where((move > 0) & (move <= k), move, 0)
+    common = m * np.log(2 * np.pi) + 2 * m * np.log(np.where(m > 0, h, 1))
     log_pi = np.where(exists, log_pi, np.nan)
     return Trial(
         move,
