@@ -84,6 +84,13 @@ class Settings:
     large_steps: float = option(
         0.2, Number(0, 1, "probability"), "probability of an independent step", metavar="P", integrators=CHAINS
     )
+    light_steps: float = option(
+        0.1,
+        Number(0, 1, "probability"),
+        "of the other steps, the part that joins the path to another light, where the scene has several without area",
+        metavar="P",
+        integrators=CHAINS,
+    )
     step_length: tuple[float, float] = option(
         (0.01, 0.3),
         Interval(1e-6, 100),

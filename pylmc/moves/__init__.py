@@ -10,10 +10,11 @@ import numpy as np
 from ..settings import Settings
 from .large import Large
 from .move import Move
+from .relight import Relight
 from .small import Small
 
 # Their chances add up to one. The large step is always there: a chain without a path can make no other.
-MOVES: tuple[type[Move], ...] = (Large, Small)
+MOVES: tuple[type[Move], ...] = (Large, Small, Relight)
 
 
 class Moves:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..settings import Settings
 from .move import Move
+from .relight import Relight
 
 
 class Small(Move):
@@ -20,7 +21,7 @@ class Small(Move):
     @classmethod
     def chance(cls, settings: Settings, features: Mapping[str, Any]) -> float:
         """What the other moves leave."""
-        return 1 - settings.large_steps
+        return 1 - settings.large_steps - Relight.chance(settings, features)
 
     @classmethod
     def numbers(cls, settings: Settings) -> tuple[float, ...]:

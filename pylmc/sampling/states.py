@@ -104,7 +104,8 @@ class States(NamedTuple):
 class Trial(NamedTuple):
     """One step of each chain, tried and not taken; chains first. K is the greatest path length.
 
-    move (chains,): 0 a large step, m a small one of the block of m directions. h: the small step's length, and xi
+    move (chains,): the step's column among the counters' ``moves``: 0 a large step, m a small one of the block of m
+    directions, K + 1 another light. h: the small step's length, and xi
     (chains, 2 K) its standard normal numbers; NaN beyond. exists: whether there was a proposal that carries light; where
     there was none the rest is NaN (or -1). nodes x_1 … x_K (chains, K, 3), in scaled units, directions v_1 … v_K, lobes and
     triangles (chains, K): the proposal. log_forward, log_reverse: log p(X̂|X) and log p(X|X̂), per solid angle of the

@@ -34,7 +34,7 @@ from oracle.paths import Paths, surface
 from oracle.random import CHAIN, Streams
 from oracle.rounding import Rounding, condition
 from oracle.scene import World
-from oracle.step import FAULTS, draw_numbers, large_step, small_step
+from oracle.step import FAULTS, draw_numbers, large_step, relit_step, small_step
 from oracle.tangents import Tangents
 from oracle.vectors import Array, any_tangent, dot
 
@@ -168,7 +168,7 @@ def parts_of(laid: Laid) -> Iterator[tuple[Array, Paths, int]]:
     """(chains, paths, block) of the trial's small steps."""
     for which, paths in laid.groups:
         for m in np.unique(laid.trial.move[which]):
-            if m > 0:
+            if 0 < m <= DEPTH:
                 chosen = np.flatnonzero(laid.trial.move[which] == m)
                 yield which[chosen], paths.take(chosen), int(m)
 
@@ -183,7 +183,7 @@ def test_random_numbers(laid: Laid) -> None:
     for which, paths in laid.groups:
         numbers = draw_numbers(laid.world, paths, laid.sampler.settings, streams_of(laid, which))
         assert np.array_equal(numbers.move, trial.move[which])
-        small = numbers.move > 0
+        small = (numbers.move > 0) & (numbers.move <= DEPTH)
         # h = exp(u log h₂ / h₁ + log h₁): an exponent of a few units
         assert np.all(np.abs(numbers.h / trial.h[which] - 1)[small] < 32 * epsilon)
         # normals: log and root of a uniform near one lose digits of a small normal, not of one of size one
@@ -270,6 +270,34 @@ def test_large_steps(laid: Laid) -> None:
         tally.add("log forward", reached["p"].roundings(trial.log_forward[chains[both]], laid.epsilon) / away)
     assert found > 0 and stray <= max(STRAY[laid.case.precision] * total, 1), (found, stray, total)
     tally.check(PLAIN, "log pi", "log forward")
+
+
+def test_other_lights(laid: Laid) -> None:
+    """The same paths joined to another light, and their acceptance, where the scene has several."""
+    tally, trial, world = Tally(), laid.trial, laid.world
+    stray = total = found = 0
+    for which, paths in laid.groups:
+        chosen = np.flatnonzero(trial.move[which] == DEPTH + 1)
+        if not len(chosen):
+            continue
+        chains, paths = which[chosen], paths.take(chosen)
+        streams = streams_of(laid, chains)
+        streams.uniform(np.ones(len(chains), bool))  # the one that chose the move
+        step = relit_step(world, paths, streams)
+        both = step.exists & trial.exists[chains]
+        total, found = total + len(chains), found + int(both.sum())
+        stray += int((step.exists != trial.exists[chains]).sum())
+        if not both.any():
+            continue
+        reached = condition(lambda p, _: {"pi": log_pi(world, p)}, world, step.proposal.take(both))["pi"]
+        tally.add("log pi", reached.roundings(trial.log_pi[chains[both]], laid.epsilon))
+        for kernel, ours in ((trial.log_forward, step.log_forward), (trial.log_reverse, step.log_reverse)):
+            assert np.all(np.abs(kernel[chains] - ours)[both] < 16 * laid.epsilon)
+        assert np.array_equal(step.proposal.lobe[both][:, 1:-1], trial.lobes[chains[both]][:, : paths.length - 1])
+    several = len(world.arrays["lights"]) > 1
+    assert (found > 0) == (total > 0) == several and stray <= max(STRAY[laid.case.precision] * total, 1), (found, stray, total)
+    if several:
+        tally.check(PLAIN, "log pi")
 
 
 def test_traced_displacements(laid: Laid) -> None:

@@ -13,13 +13,14 @@ from pylmc.settings import Settings
 
 from .charts import Charts
 from .constraints import proposal_factor
-from .displaced import displaced, joint_log_jacobian
-from .draw import draw_path
-from .independent import log_p
+from .displaced import displaced, joint_log_jacobian, keeps_off, visible
+from .draw import draw_path, settled
+from .independent import light_chances, log_p
 from .integrand import log_pi
-from .paths import Paths, surface
+from .paths import CONNECT, Paths, complete, surface
 from .random import Streams
 from .rounding import Rounding
+from .sampling import sample_light
 from .scene import World
 from .tangents import Tangents
 from .vectors import Array, any_tangent
@@ -30,7 +31,10 @@ FAULTS = ("no determinant", "sign of the reverse drift", "T of the old state")
 
 @dataclass(frozen=True)
 class Numbers:
-    """What chance decides of a step, for paths of one length: the block m (0: large), h, and ξ (n, 2 K)."""
+    """What chance decides of a step, for paths of one length: the block m, h, and ξ (n, 2 K).
+
+    A block of 0 is a large step, one longer than any path another light.
+    """
 
     move: Array
     h: Array
@@ -74,13 +78,17 @@ def choose_block(world: World, paths: Paths, settings: Settings, u: Array) -> Ar
 def draw_numbers(world: World, paths: Paths, settings: Settings, streams: Streams) -> Numbers:
     """A step's random numbers from the chains' streams; a large step's own are drawn by draw_path."""
     everyone = np.ones(len(paths.light), bool)
-    small = streams.uniform(everyone) >= np.float32(settings.large_steps)
+    several = len(world.arrays["lights"]) > 1
+    large, relit = settings.large_steps, settings.light_steps * (1 - settings.large_steps) * several
+    u = streams.uniform(everyone)
+    small = (u >= np.float32(large)) & (u < np.float32(1 - relit) if relit else True)
     move = np.where(small, choose_block(world, paths, settings, streams.uniform(small)), 0)
+    move = np.where(~small & (u >= np.float32(large)), settings.max_depth + 1, move)
     low, high = np.log(settings.step_length).astype(np.float32).astype(float)  # as the kernels get them
     h = np.exp(low + (high - low) * streams.uniform(small))
     xi = np.zeros((len(move), 2 * paths.length))
     for k in range(paths.free):
-        use = move > k
+        use = small & (move > k)
         xi[use, 2 * k : 2 * k + 2] = streams.normal2(use)[use]
     return Numbers(move, h, xi)
 
@@ -171,6 +179,20 @@ def large_step(world: World, paths: Paths, streams: Streams) -> Step:
     reverse = log_p(world, paths)
     with np.errstate(invalid="ignore"):
         log_acceptance = np.where(exists, new - forward - log_pi(world, paths) + reverse, -np.inf)
+    return Step(proposal, exists, forward, reverse, new, log_acceptance)
+
+
+def relit_step(world: World, paths: Paths, streams: Streams) -> Step:
+    """The same path, joined to a light that is drawn anew."""
+    everyone = np.ones(len(paths.light), bool)
+    light = sample_light(world, streams, everyone) if paths.ending == CONNECT else paths.light
+    exists = light != paths.light
+    proposal = settled(world, complete(world, paths.length, paths.ending, light, paths.triangle, paths.lobe, paths.x))
+    new = log_pi(world, proposal)
+    exists &= np.isfinite(new) & keeps_off(world, proposal, paths.length) & visible(world, proposal, paths.length)
+    chances = np.log(light_chances(world))
+    forward, reverse = chances[light], chances[paths.light]
+    log_acceptance = np.where(exists, new - forward - log_pi(world, paths) + reverse, -np.inf)
     return Step(proposal, exists, forward, reverse, new, log_acceptance)
 
 

@@ -168,6 +168,7 @@ OTHERS = [
     Case("box, paths of up to 4 segments", "box", {}),
     Case("plastic, drift", "varnished", {"drift": True}),
     Case("two lights, one of them a spot", "spotlit", {}),
+    Case("other lights alone", "spotlit", {"light_steps": 1.0}),
     Case("light from infinity and a point", "sunlit", {"coordinates": "deviation", "drift": True}),
     Case("mixed precision, drift", "caustic", {"drift": True}, "mixed"),
     Case("double precision, drift", "skewed", {"drift": True}, "double"),

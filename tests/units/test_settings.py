@@ -25,6 +25,7 @@ OTHER: dict[str, tuple[Any, list[str]]] = {
     "drift": (True, []),
     "projection": ("orthographic", ["orthographic"]),
     "large_steps": (0.5, ["0.5"]),
+    "light_steps": (0.3, ["0.3"]),
     "step_length": ((0.1, 0.2), ["0.1,0.2"]),
     "even": (False, []),
     "blocks": (False, []),
