@@ -21,7 +21,9 @@ class Moves:
     """The moves that a run makes, with these ``settings`` in a scene of these ``features``."""
 
     def __init__(self, settings: Settings, features: Mapping[str, Any]) -> None:
-        chances = {move: move.chance(settings, features) for move in MOVES}
+        given = {move: move.chance(settings, features) for move in MOVES}
+        rest = 1 - sum(chance for chance in given.values() if chance is not None)
+        chances = {move: rest if chance is None else chance for move, chance in given.items()}
         self.settings, self.chosen = settings, [move for move in MOVES if move is Large or chances[move] > 0]
         self._chances = [chances[move] for move in self.chosen]
 

@@ -15,8 +15,11 @@ class Move:
     state: ClassVar[str] = ""
 
     @classmethod
-    def chance(cls, settings: Settings, features: Mapping[str, Any]) -> float:
-        """The probability that a step is this move, in a scene with these ``features``; 0: it is left out of the kernels."""
+    def chance(cls, settings: Settings, features: Mapping[str, Any]) -> float | None:
+        """The probability that a step is this move, in a scene with these ``features``.
+
+        0: it is left out of the kernels. None, of one move alone: whatever the others leave.
+        """
         raise NotImplementedError
 
     @classmethod

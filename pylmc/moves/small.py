@@ -9,7 +9,6 @@ import numpy as np
 
 from ..settings import Settings
 from .move import Move
-from .relight import Relight
 
 
 class Small(Move):
@@ -19,9 +18,9 @@ class Small(Move):
     state: ClassVar[str] = "SmallStep"
 
     @classmethod
-    def chance(cls, settings: Settings, features: Mapping[str, Any]) -> float:
+    def chance(cls, settings: Settings, features: Mapping[str, Any]) -> None:
         """What the other moves leave."""
-        return 1 - settings.large_steps - Relight.chance(settings, features)
+        return None
 
     @classmethod
     def numbers(cls, settings: Settings) -> tuple[float, ...]:
