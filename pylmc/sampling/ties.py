@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from typing import Any
 
 import numpy as np
@@ -30,28 +31,27 @@ def find_ties(
 
 
 def _order(scene: Scene, mesh: Mesh, tied: np.ndarray) -> np.ndarray:
-    """A number for each of the ``tied`` triangles by what it looks like and where it is, zero for all others."""
+    """A number for each of the ``tied`` triangles, zero for all others: by shape, whatever the order of the shapes.
+
+    All of a shape goes before all of another: two blocks of glass that touch have one of the two interfaces, not a patchwork.
+    """
     shape_of = mesh.shape_of_face[tied]
-    looks = {int(i): _look(scene.shapes[i]) for i in np.unique(shape_of)}
-    place = {look: i for i, look in enumerate(sorted(set(looks.values())))}
-    faces = mesh.faces[tied]
-    columns = [
-        np.array([place[looks[int(i)]] for i in shape_of])[:, None],
-        np.sort(mesh.vertices[faces], axis=1).reshape(-1, 9),
-    ]
-    columns += [
-        np.sort(of_vertices[faces], axis=1).reshape(len(faces), -1)
-        for of_vertices in (mesh.normals, mesh.uvs)
-        if len(of_vertices)
-    ]
+    keys = {int(i): _key(scene.shapes[i]) for i in np.unique(shape_of)}
+    place = {key: rank for rank, key in enumerate(sorted(set(keys.values())))}
+    rank = np.array([place[keys[int(i)]] for i in shape_of])
     order = np.zeros(len(mesh.faces), np.int64)
-    order[tied[np.lexsort(np.concatenate(columns, axis=1).T[::-1])]] = np.arange(len(tied))
+    order[tied[np.argsort(rank, kind="stable")]] = np.arange(len(tied))
     return order
 
 
-def _look(shape: Shape) -> tuple[Any, ...]:
-    """What sorts shapes: the brighter first, then anything that tells them apart."""
+def _key(shape: Shape) -> tuple[Any, ...]:
+    """What sorts shapes: the brighter first, then by looks, then what faces outwards, then anything that tells them apart."""
     emission = shape.emission or (0.0, 0.0, 0.0)
-    material = shape.material
-    pictures = tuple(texture.pixels.tobytes() for texture in material.textures())
-    return -float(np.dot(emission, LUMINANCE)), emission, type(material).__name__, repr(material.lobes()), pictures
+    material, corners = shape.material, shape.vertices[shape.faces]
+    from_middle = corners - shape.vertices.mean(axis=0)
+    volume = float(np.linalg.det(from_middle).sum())
+    arrays = [texture.pixels for texture in material.textures()]
+    arrays += [array for array in (corners, shape.vertex_normals(), shape.uv) if array is not None]
+    content = hashlib.sha256(b"".join(np.ascontiguousarray(array).tobytes() for array in arrays)).digest()
+    looks = type(material).__name__, repr(material.lobes())
+    return -float(np.dot(emission, LUMINANCE)), emission, looks, -volume, content

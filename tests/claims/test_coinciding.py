@@ -124,3 +124,22 @@ def test_what_is_met_does_not_depend_on_the_order() -> None:
         }
 
     assert met((0, 1, 2, 3, 4, 5)) == met((5, 3, 4, 2, 0, 1)) == met((4, 0, 5, 1, 3, 2))
+
+
+@pytest.mark.parametrize("kind", ["inside out", "face to face", "face to face, displaced"])
+def test_one_shape_owns_all_that_it_shares_with_another(kind: str) -> None:
+    """Whichever comes first in the scene; of a block of glass and the same inside out it is the block."""
+    block = box((0, 0, 0), (1, 1, 1))
+    others = {"inside out": reversed_(block), "face to face": box((1, 0, 0), (1, 1, 1))}
+    other = others.get(kind, box((1, 0.1, 0.2), (1, 1, 1)))
+    one, two = (Shape(mesh, RoughDielectric(0.3), name=name) for name, mesh in (("block", block), ("other", other)))
+    lamp = Shape(box((0, 5, 0), (1, 1, 1)), Diffuse(0.0), emission=1.0)
+    winners = []
+    for shapes in ([one, two, lamp], [two, one, lamp]):
+        compiled = compile_scene(Scene(Camera((0, 0, 5), (0, 0, 0)), shapes))
+        ties, shape_of = compiled.arrays["ties"], compiled.mesh.shape_of_face
+        winners.append({shapes[i].name for i in shape_of[ties[ties[0] : ties[2 * len(shape_of)]]]})
+    assert len(winners[0]) == 1
+    assert winners[0] == winners[1]
+    if kind == "inside out":
+        assert winners[0] == {"block"}
