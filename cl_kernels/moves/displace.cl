@@ -19,12 +19,10 @@ bool displaced_path(Scene *scene, const Path *x, int m, const real *delta, const
         const Vertex *here = &y->vertex[j - 1];
         real3 s = p, v;  // s: of deviations only, which v_1 never is
         real jacobian;
-#if HAS_DEVIATION
-        if (j > 1) {
+        if (HAS_DEVIATION && j > 1) {
             s = reference_direction(scene, here, here->v);
             p = transport_frame(scene, here, here->v, p, s);
         }
-#endif
         if (!chart_direction(&charts[j], (real2)(delta[2 * j - 2], delta[2 * j - 1]), here->x, s, p, &v, &jacobian))
             return false;
         *log_jacobian += jacobian;
@@ -32,11 +30,8 @@ bool displaced_path(Scene *scene, const Path *x, int m, const real *delta, const
             // cheap refusals first: off the film, nothing needs tracing
             if (!is_positive(camera_importance(scene, v))) return false;
             p = *p_new = rotate_minimal(p, x->vertex[1].v, v);
-        }
-#if HAS_DEVIATION
-        else
+        } else if (HAS_DEVIATION)
             p = rotate_minimal(p, s, v);
-#endif
         Vertex *next = &y->vertex[j];
         if (!trace_to_vertex(scene, here, v, next)) return false;
         if (j < y->length) {
