@@ -10,6 +10,7 @@ import pyopencl as cl
 from ..colour import LUMINANCE
 from ..picture.estimators import Estimator
 from ..sampling.chains import STEPS_PER_LAUNCH
+from ..sampling.films import places
 from ..sampling.mean_error import mean_variance
 from ..sampling.traces import Trace
 from .integrator import Integrator
@@ -45,9 +46,10 @@ class LangevinMonteCarlo(Integrator):
         found = super().variance()
         if found is None:
             return None
-        groups, places = (*self.sampler.groups, *self.sampler.dark_groups), self.sampler.places
-        b = places.together(np.array([group.b for group in groups]))
-        errors = np.sqrt(places.together(np.array([0.0 if group.streams else group.b_error**2 for group in groups])))
+        groups, state = (*self.sampler.groups, *self.sampler.dark_groups), self.sampler.state
+        placed = places((*state.groups, *state.dark), self.sampler.film.slots)
+        b = placed.together(np.array([group.b for group in groups]))
+        errors = np.sqrt(placed.together(np.array([0.0 if group.streams else group.b_error**2 for group in groups])))
         for estimator, relative in zip(self.estimators(), errors / np.maximum(b, np.finfo(float).tiny), strict=True):
             # besides the splats' own noise, that of the normalisation, which all batches share
             found = found + (relative * (estimator.read() @ LUMINANCE)) ** 2

@@ -24,7 +24,7 @@ from ..settings import Settings, explained
 from . import start, views
 from .chains import STEPS_PER_LAUNCH, Info, State, refine, step
 from .compiled import compile_scene
-from .films import Places, film_for, places
+from .films import film_for, places
 from .groups import Group
 from .limits import limits
 from .states import Counters, States, Trial
@@ -168,15 +168,11 @@ class Sampler:
         proposed, acceptance, trace = (of_all[: self.chains] for of_all in (info.proposed, info.acceptance, info.trace))
         return Counters(proposed, acceptance, trace, not_finite, int(info.rays.sum()), self.device_scene.moves.columns())
 
-    @property
-    def places(self) -> Places:
-        """Where the groups' splats go, the dark ones' after the others'."""
-        return places((*self.state.groups, *self.state.dark), self.film.slots)
-
     def estimators(self) -> list[Estimator]:
         """The picture's parts, one for each slot of the film."""
         scale = self.film_pixels * self.compiled.radiance_scale
-        return self.places.estimators(self.film, (*self.groups, *self.dark_groups), scale, self.state.steps)
+        placed = places((*self.state.groups, *self.state.dark), self.film.slots)
+        return placed.estimators(self.film, (*self.groups, *self.dark_groups), scale, self.state.steps)
 
     def image(self) -> np.ndarray:
         """The picture so far (height, width, 3), float64, in the scene's units of radiance."""

@@ -115,7 +115,7 @@ def test_densities_of_likely_paths(name: str) -> None:
 
 # --- normalisation -------------------------------------------------------------------------------------------------
 
-DRAW = "int k = rng_index(rng, split_count(length, ending));"
+DRAW = "return rng_index(rng, split_count(length, ending));"
 SUM = "if (is_log_of_some(term)) {"
 MEAN = "return log_sum - log((real)splits) + log_choices;"
 
@@ -126,7 +126,7 @@ def test_b_does_not_depend_on_the_splits(name: str) -> None:
     results = {}
     for label, low, high in (("all", "0", "splits"), ("first two", "0", "min(2, splits)"), ("others", "1", "splits")):
         edits = {
-            DRAW: f"int splits = split_count(length, ending); int k = {low} + rng_index(rng, {high} - {low});",
+            DRAW: f"int splits = split_count(length, ending); return {low} + rng_index(rng, {high} - {low});",
             SUM: f"if (is_log_of_some(term) && k >= {low} && k < {high}) {{",
             MEAN: f"return log_sum - log((float)({high} - {low})) + log_choices;",
         }
