@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable
 from numbers import Real
 from typing import Any
 
@@ -16,7 +16,7 @@ def _number(value: Any) -> float | None:
 
 def check_choice(name: str, value: Any, allowed: tuple[str, ...]) -> None:
     """Raise PylmcError unless ``value`` is one of ``allowed``."""
-    if value not in allowed:
+    if not isinstance(value, str) or value not in allowed:
         raise PylmcError(f"{name}={value!r} is unknown; choose from {', '.join(allowed)}")
 
 
@@ -40,7 +40,7 @@ def check_integer(name: str, value: Any, least: int, greatest: int, of: str = ""
 
 def check_flag(name: str, value: Any) -> bool:
     """``value`` as a bool; raises PylmcError for anything else, such as the word 'no'."""
-    if value not in (True, False):
+    if not isinstance(value, Hashable) or value not in (True, False):
         raise PylmcError(f"{name}={value!r}: give True or False")
     return bool(value)
 

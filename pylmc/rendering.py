@@ -129,7 +129,7 @@ def render(
         f"{worker.unit}_per_second": worker.done / spent if spent else 0.0,
         **worker.diagnostics(),
         "mean_luminance": float((image @ LUMINANCE).mean()),
-        "mean_luminance_error": worker.mean_error(),
+        "mean_luminance_error": worker.mean_error() if np.any(image) else None,  # of a black picture nothing is known
         "relative_error": relative_error(image, variance),
         "seconds": {
             "build": sampler.seconds["build"],

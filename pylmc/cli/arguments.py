@@ -23,7 +23,7 @@ examples:
   pylmc compare keyhole.exr reference.exr -o difference.png
 
 SCENE is a built-in scene (`pylmc scenes` lists them), such as keyhole, with parameters after a colon if wanted:
-keyhole:hole=0.01,alpha=0.005; or the path of a scene file (glTF, GLB).
+keyhole:hole=0.01,alpha=0.005; or the path of a scene file (glTF, GLB, STL).
 
 `pylmc COMMAND --help` explains a command.
 
@@ -187,7 +187,7 @@ def _add_scene(parser: argparse.ArgumentParser) -> None:
         "scene",
         metavar="SCENE",
         help="a built-in scene (`pylmc scenes`), with parameters if wanted: "
-        "keyhole:hole=0.01,alpha=0.005; or a scene file (glTF, GLB)",
+        "keyhole:hole=0.01,alpha=0.005; or a scene file (glTF, GLB, STL)",
     )
     parser.add_argument("--size", type=_size, metavar="WxH", help="of the film, in pixels (default: the scene's)")
     parser.add_argument("--auto-camera", action="store_true", help="frame a file's scene that has no camera")

@@ -59,6 +59,9 @@ FLOAT32_RAYS = Thresholds(
 DOUBLE = Thresholds(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # nothing went wrong anywhere
 
 
+ON_SURFACE = 1e-13  # in scene radii: of a position in float64, this is nothing
+
+
 def thresholds(precision: str) -> Thresholds:
     """Those of a precision's number types. Raises PylmcError for an unknown name."""
     kind = nominal(precision)
@@ -92,7 +95,13 @@ def limits(scene: Scene, compiled: CompiledScene, precision: str) -> list[str]:
     for i, light in enumerate(scene.lights):
         if light.place == POINT:
             height, shape_below = _height(scene, compiled, getattr(light, "position"))  # noqa: B009
-            check(f"light {i} is very close to '{shape_below}'", height, "light")
+            if height < ON_SURFACE:
+                found.append(
+                    f"light {i} lies on '{shape_below}': which side it shines to is decided by rounding, and integrators may "
+                    "differ; move it off the surface"
+                )
+            else:
+                check(f"light {i} is very close to '{shape_below}'", height, "light")
     for i, shape in enumerate(scene.shapes):
         alpha = alpha_of(shape.material)
         if alpha is not None:

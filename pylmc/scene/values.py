@@ -54,10 +54,11 @@ def as_point(value: Any, what: str) -> np.ndarray:
 def as_direction(value: Any, what: str) -> np.ndarray:
     """Three numbers, not all zero, as a unit vector; or a PylmcError naming ``what``."""
     vector = as_point(value, what)
-    length = np.linalg.norm(vector)
-    if not length > 0:
+    largest = np.abs(vector).max()
+    if not largest > 0:
         raise PylmcError(f"{what} has length zero; give the vector of a direction")
-    return fixed(vector / length)
+    vector = vector / largest  # whose squares neither vanish nor overflow
+    return fixed(vector / np.linalg.norm(vector))
 
 
 def as_list(value: Any, what: str, kind: type) -> tuple[Any, ...]:

@@ -128,7 +128,10 @@ class _Document:
         lights = self.data.document.get("extensions", {}).get("KHR_lights_punctual", {}).get("lights", [])
         if not isinstance(index, int) or not 0 <= index < len(lights):
             raise PylmcError(f"a node names light {index!r}, which is not there; export the file again")
-        light = gltf_light(lights[index], transform)
+        try:
+            light = gltf_light(lights[index], transform)
+        except PylmcError as error:
+            raise PylmcError(f"light {index}: {error}") from None
         if light is not None:
             self.found.lights.append(light)
 

@@ -28,6 +28,12 @@ def gltf_light(light: dict[str, Any], transform: np.ndarray) -> Light | None:
         return DirectionalLight(along, colour)
     if kind == "spot":
         cone = light.get("spot", {})
+        if not isinstance(cone, dict):
+            raise PylmcError(f"'spot' is {cone!r}, not an object; export the file again")
         inner, outer = cone.get("innerConeAngle", 0.0), cone.get("outerConeAngle", math.pi / 4)
+        if not all(isinstance(angle, int | float) for angle in (inner, outer)) or not 0 <= inner <= outer:
+            raise PylmcError(
+                f"innerConeAngle {inner!r} and outerConeAngle {outer!r} are no two angles in order; export it again"
+            )
         return SpotLight(position, along, colour, math.degrees(inner), math.degrees(outer))
     return PointLight(position, colour)

@@ -6,6 +6,8 @@ from typing import Any
 
 from ...errors import PylmcError
 
+MAX_IOR = 100.0  # of any pair of media, with room to spare: beyond it nothing is let through that float32 could tell from zero
+
 
 def check_alpha(alpha: Any, what: str) -> float:
     try:

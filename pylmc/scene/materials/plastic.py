@@ -14,7 +14,7 @@ from ...lobes.coated_diffuse import coat_table
 from ..texture import Texture
 from ..values import as_rgb
 from .material import Material
-from .microfacets import check_alpha, check_masking
+from .microfacets import MAX_IOR, check_alpha, check_masking
 
 
 @dataclass(frozen=True)
@@ -40,8 +40,10 @@ class Plastic(Material):
             ior = float(self.ior)
         except (TypeError, ValueError):
             raise PylmcError(f"Plastic: ior {self.ior!r} is not a number") from None
-        if not (np.isfinite(ior) and ior > 1.001):
-            raise PylmcError(f"Plastic: ior={ior:g} must be above 1, the index of a coat over air (acrylic glass: 1.49)")
+        if not 1.001 < ior <= MAX_IOR:
+            raise PylmcError(
+                f"Plastic: ior={ior:g} must be above 1, the index of a coat over air, and at most {MAX_IOR:g} (acrylic: 1.49)"
+            )
         object.__setattr__(self, "ior", ior)
 
     def lobes(self) -> list[Lobe]:

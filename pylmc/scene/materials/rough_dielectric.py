@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from ...errors import PylmcError
 from ...lobes import DielectricReflect, DielectricTransmit, Lobe
 from .material import Material
-from .microfacets import check_alpha, check_masking
+from .microfacets import MAX_IOR, check_alpha, check_masking
 
 
 @dataclass(frozen=True)
@@ -31,8 +29,10 @@ class RoughDielectric(Material):
             ior = float(self.ior)
         except (TypeError, ValueError):
             raise PylmcError(f"RoughDielectric: ior {self.ior!r} is not a number") from None
-        if not (np.isfinite(ior) and ior > 0 and abs(ior - 1) > 1e-3):
-            raise PylmcError(f"RoughDielectric: ior={ior:g} must be positive and differ from 1 (glass: 1.5)")
+        if not (1 / MAX_IOR <= ior <= MAX_IOR and abs(ior - 1) > 1e-3):
+            raise PylmcError(
+                f"RoughDielectric: ior={ior:g} must lie between {1 / MAX_IOR:g} and {MAX_IOR:g} and differ from 1 (glass: 1.5)"
+            )
         object.__setattr__(self, "ior", ior)
 
     def lobes(self) -> list[Lobe]:

@@ -30,3 +30,12 @@ def test_limits_name_the_shape_below_the_camera() -> None:
     camera = pylmc.Camera((0.3, 1e-7, 0.5), (1, 0.5, 0.5))
     scene = pylmc.Scene(camera, keyhole.shapes, keyhole.lights)
     assert "the camera is very close to 'floor'" in pylmc.info(scene)
+
+
+def test_a_light_on_a_surface_is_told_in_every_precision() -> None:
+    floor = pylmc.Shape(
+        ([[-1, 0, -1], [-1, 0, 1], [1, 0, 1], [1, 0, -1]], [[0, 1, 2], [0, 2, 3]]), pylmc.Diffuse(), name="floor"
+    )
+    scene = pylmc.Scene(pylmc.Camera((0, 1, 2), (0, 0, 0)), [floor], [pylmc.PointLight((0.2, 0, 0.1))])
+    for precision in ("single", "mixed", "double"):
+        assert "light 0 lies on 'floor': which side it shines to is decided by rounding" in pylmc.info(scene, precision)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from studies.gltf_files import AUTO, SQUARE, Builder, area_vector, first
 
+from pylmc import PylmcError
 from pylmc.scene import Texture
 from pylmc.scene.loading import load
 
@@ -151,6 +152,16 @@ def test_camera_and_point_light(tmp_path):
     (point,) = scene.lights
     np.testing.assert_allclose(point.position, [0, 5, 0])
     assert point.intensity == (8, 4, 2)
+
+
+@pytest.mark.parametrize(
+    "cone", [None, [1], {"outerConeAngle": "x"}, {"innerConeAngle": 0.9}, {"innerConeAngle": 0.4, "outerConeAngle": 0.2}]
+)
+def test_a_spot_lights_cone_that_cannot_be_is_named(cone, tmp_path):
+    lights = {"KHR_lights_punctual": {"lights": [{"type": "spot", "spot": cone}]}}
+    nodes = [{"mesh": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}}]
+    with pytest.raises(PylmcError, match=r"lamp\.glb: light 0: "):
+        load(Builder(nodes=nodes, extensions=lights).square().glb(tmp_path / "lamp.glb"), auto_camera=True)
 
 
 def test_spot_and_directional_lights_shine_along_the_nodes_axis(tmp_path):

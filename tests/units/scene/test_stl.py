@@ -38,3 +38,19 @@ def test_files_that_hold_no_mesh_are_named(content: bytes, tmp_path: Path) -> No
     path.write_bytes(content)
     with pytest.raises(PylmcError, match=r"spoilt\.stl: (malformed STL|no triangles)"):
         pylmc.load(path, auto_camera=True, auto_light=True)
+
+
+def test_names_in_any_encoding_and_bytes_after_the_end_do_no_harm(tmp_path: Path) -> None:
+    box = trimesh.creation.box((1, 2, 3))
+    text = box.export(file_type="stl_ascii").encode()
+    for content in (text.replace(b"solid", b"solid \xfc", 1), box.export(file_type="stl") + b"xx"):
+        path = tmp_path / "box.stl"
+        path.write_bytes(content)
+        assert len(pylmc.load(path, auto_camera=True, auto_light=True).shapes[0].faces) == 12
+
+
+def test_a_text_file_that_is_cut_off_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "cut.stl"
+    path.write_bytes(trimesh.creation.box((1, 2, 3)).export(file_type="stl_ascii").encode()[:600])
+    with pytest.raises(PylmcError, match=r"cut\.stl: malformed STL"):
+        pylmc.load(path, auto_camera=True, auto_light=True)
