@@ -153,7 +153,7 @@ class Settings:
             "AIM_EVERYWHERE": self.aim == "everywhere",
             "BLOCKS": self.blocks and self.coordinates == "target",
             "DIFFERENTIALS_REDUCED": self.differentials == "reduced",
-            **{f"USE_{kind.upper()}": kind in self.constraints for kind in CONSTRAINTS},
+            "USE_PORTALS": "portals" in self.constraints,
         }
 
     @classmethod

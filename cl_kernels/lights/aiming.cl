@@ -54,10 +54,8 @@ real3 sample_target(__global const Target *target, real3 x, Rng *rng) {
     if (target->sphere) {
         real3 axis_of_cone = normalize(centre - x + (real3)(0.0, 0.0, 1e-30));
         real fall = cone_of_sphere(x, target) * u1;  // 1 - cos
-        real sine = sqrt(fmax(0.0, fall * (2.0 - fall))), angle = 2.0 * PI * u2;
-        real3 tangent = any_tangent(axis_of_cone);
-        return normalize(sine * cos(angle) * tangent + sine * sin(angle) * cross(axis_of_cone, tangent) +
-                         (1.0 - fall) * axis_of_cone);
+        real sine = sqrt(fmax(0.0, fall * (2.0 - fall)));
+        return about_axis(axis_of_cone, 1.0 - fall, sine, 2.0 * PI * u2);
     }
     real3 bitangent = cross(vec3(target->normal), axis);
     real2 half_size = aimed_half_size(target);

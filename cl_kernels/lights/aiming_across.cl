@@ -25,11 +25,7 @@ real target_density_across(__global const Target *target, real3 x, real3 directi
 real3 sample_target_across(__global const Target *target, real3 direction, Rng *rng) {
     real u1 = rng_uniform(rng), u2 = rng_uniform(rng);
     real3 centre = vec3(target->centre), axis = vec3(target->axis);
-    if (target->sphere) {
-        real radius = target->half_size[0] * sqrt(u1), angle = 2.0 * PI * u2;
-        real3 tangent = any_tangent(direction);
-        return centre + radius * cos(angle) * tangent + radius * sin(angle) * cross(direction, tangent);
-    }
+    if (target->sphere) { return centre + across_axis(direction, target->half_size[0] * sqrt(u1), 2.0 * PI * u2); }
     real2 half_size = aimed_half_size(target);
     return centre + (2.0 * u1 - 1.0) * half_size.x * axis + (2.0 * u2 - 1.0) * half_size.y * cross(vec3(target->normal), axis);
 }

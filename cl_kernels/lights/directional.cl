@@ -22,8 +22,7 @@ real3 directional_sample(const Scene *scene, __global const Light *light, Rng *r
     real3 direction = vec3(light->direction), passed;
     if (!sample_across(scene, direction, rng, &passed)) {
         real radius = light->disc * sqrt(rng_uniform(rng)), angle = 2.0 * PI * rng_uniform(rng);
-        real3 tangent = any_tangent(direction);
-        passed = radius * cos(angle) * tangent + radius * sin(angle) * cross(direction, tangent);
+        passed = across_axis(direction, radius, angle);
     }
     end->x = passed - (dot(passed, direction) + 2.0 * light->disc) * direction;  // before all of the scene
     return direction;

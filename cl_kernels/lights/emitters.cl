@@ -48,9 +48,7 @@ real3 sample_emitter_emission(const Scene *scene, const Vertex *emitter, Rng *rn
     real3 direction;
     if (sample_aim(scene, emitter->x, AIM_FROM_LIGHT, rng, &direction)) return direction;
     real u = rng_uniform(rng), angle = 2.0 * PI * rng_uniform(rng), radius = sqrt(u);
-    real3 tangent = any_tangent(emitter->ng);
-    return normalize(radius * cos(angle) * tangent + radius * sin(angle) * cross(emitter->ng, tangent) +
-                     sqrt(1.0 - u) * emitter->ng);
+    return about_axis(emitter->ng, sqrt(1.0 - u), radius, angle);
 }
 
 #endif

@@ -5,10 +5,7 @@
 #include "lights/aiming.cl"
 #include "path/path.cl"
 
-void point_place(__global const Light *light, Vertex *end) {
-    end->place = PLACE_POINT;
-    end->x = vec3(light->position);
-}
+void point_place(__global const Light *light, Vertex *end) { place_at_point(vec3(light->position), end); }
 
 real point_emitted(__global const Light *light, real3 direction) { return 1.0; }
 

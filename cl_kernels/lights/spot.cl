@@ -5,10 +5,7 @@
 #include "lights/aiming.cl"
 #include "path/path.cl"
 
-void spot_place(__global const Light *light, Vertex *end) {
-    end->place = PLACE_POINT;
-    end->x = vec3(light->position);
-}
+void spot_place(__global const Light *light, Vertex *end) { place_at_point(vec3(light->position), end); }
 
 // 1 - cos of the angle with the axis, from the difference of unit vectors.
 real spot_fall(__global const Light *light, real3 direction) { return 0.5 * length2(direction - vec3(light->direction)); }
@@ -28,8 +25,7 @@ real3 spot_sample(const Scene *scene, __global const Light *light, Rng *rng, Ver
     if (sample_aim(scene, vec3(light->position), AIM_FROM_LIGHT, rng, &direction)) return direction;
     real fall = light->spread * rng_uniform(rng), angle = 2.0 * PI * rng_uniform(rng);
     real sine = sqrt(fmax(0.0, fall * (2.0 - fall)));
-    real3 tangent = any_tangent(axis);
-    return normalize(sine * cos(angle) * tangent + sine * sin(angle) * cross(axis, tangent) + (1.0 - fall) * axis);
+    return about_axis(axis, 1.0 - fall, sine, angle);
 }
 
 #endif

@@ -14,8 +14,7 @@ bool cosine_sample(const Scene *scene, const Vertex *vertex, real3 known, Rng *r
     if (sample_aim(scene, vertex->x, AIM_FROM_NODE, rng, other)) return true;
     real3 n = normal_towards(vertex, known);
     real radius2 = rng_uniform(rng), angle = 2.0 * PI * rng_uniform(rng), radius = sqrt(radius2);
-    real3 tangent = any_tangent(n);
-    *other = normalize(radius * cos(angle) * tangent + radius * sin(angle) * cross(n, tangent) + sqrt(1.0 - radius2) * n);
+    *other = about_axis(n, sqrt(1.0 - radius2), radius, angle);
     return true;
 }
 

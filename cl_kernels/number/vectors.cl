@@ -22,6 +22,15 @@ real3 any_tangent(real3 n) {
     return (real3)(1.0 + s * n.x * n.x * a, s * n.x * n.y * a, -s * n.x);
 }
 
+// A vector across the axis, at an azimuth; and a unit vector at the cosine and sine of an angle with it.
+real3 across_axis(real3 axis, real length, real azimuth) {
+    real3 tangent = any_tangent(axis);
+    return length * cos(azimuth) * tangent + length * sin(azimuth) * cross(axis, tangent);
+}
+real3 about_axis(real3 axis, real cosine, real sine, real azimuth) {
+    return normalize(across_axis(axis, sine, azimuth) + cosine * axis);
+}
+
 // u, across the unit vector a, turned by the minimal rotation that takes a to the unit vector b (theory.md, 2, Frames).
 // Undefined for b = -a, where the guard returns some finite vector.
 real3 rotate_minimal(real3 u, real3 a, real3 b) { return u - dot(b, u) / fmax(1.0 + dot(a, b), 1e-12) * (a + b); }

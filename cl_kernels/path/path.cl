@@ -33,6 +33,12 @@ typedef struct {
 
 int free_directions(const Path *path) { return path->ending == ENDING_HIT ? path->length : path->length - 1; }
 
+// An end that has a position and nothing else.
+void place_at_point(real3 position, Vertex *end) {
+    end->place = PLACE_POINT;
+    end->x = position;
+}
+
 // Is the node at infinity, where a direction is all there is to it?
 bool is_infinite(const Vertex *vertex) {
 #if HAS_INFINITE

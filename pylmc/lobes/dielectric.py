@@ -3,33 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
-import numpy as np
-
-from .base import MIRROR, REFRACTED, Lobe
-
-
-@dataclass(frozen=True, kw_only=True)
-class Interface(Lobe):
-    """What both lobes have. ``alpha``: GGX roughness. ``ior``: index of the inside over the outside's.
-
-    ``separable``: Smith's masking as a product, not height-correlated.
-    """
-
-    fields: ClassVar[list[Any]] = [("alpha", np.float64), ("ior", np.float64), ("separable", np.int32)]
-
-    alpha: float
-    ior: float
-    separable: bool = False
-
-    @property
-    def width(self) -> float:
-        return self.alpha
+from .base import MIRROR, REFRACTED
+from .facets import DielectricFacets
 
 
 @dataclass(frozen=True, kw_only=True)
-class DielectricReflect(Interface):
+class DielectricReflect(DielectricFacets):
     """The reflected part."""
 
     name: ClassVar[str] = "dielectric_reflect"
@@ -38,7 +19,7 @@ class DielectricReflect(Interface):
 
 
 @dataclass(frozen=True, kw_only=True)
-class DielectricTransmit(Interface):
+class DielectricTransmit(DielectricFacets):
     """The refracted part, which follows the reflected one in the material."""
 
     name: ClassVar[str] = "dielectric_transmit"

@@ -14,11 +14,11 @@ from ..device.device_scene import DeviceScene
 class ChainArrays(NamedTuple):
     """All that a chain holds between steps, chains first. K is the greatest path length; what is beyond a path's own is idle.
 
-    length, ending (chains,): segments, 0 connect or 1 hit. light: the point light that the path is connected to. group: the
-    chain's place in its State's ``groups``. log_i: log of the density, -inf for a dark chain; log_p: log of the independent
-    sampler's density, NaN (or below -1e29) where it is not known. colour (chains, 3): what the chain splats. v (chains, K, 3)
-    and t (chains, K): each segment's direction and length, in scaled units. barycentrics (chains, K, 2), triangle, lobe
-    (chains, K): the node that it leads to; triangle -1 for a point light.
+    length, ending (chains,): segments, 0 connect or 1 hit. light: which of the scene's lights the path is connected to.
+    group: the chain's place in its State's ``groups``. log_i: log of the density, -inf for a dark chain; log_p: log of the
+    independent sampler's density, NaN (or below -1e29) where it is not known. colour (chains, 3): what the chain splats. v
+    (chains, K, 3) and t (chains, K): each segment's direction and length, in scaled units. barycentrics (chains, K, 2),
+    triangle, lobe (chains, K): the node that it leads to; triangle -1 for a light without area.
     """
 
     length: np.ndarray
@@ -80,11 +80,11 @@ class States(NamedTuple):
 
     length, ending (chains,): segments, 0 connect or 1 hit. v_1 (chains, 3). nodes x_1 … x_K (chains, K, 3), in scene
     units; directions v_1 … v_K (chains, K, 3). deviations Ω_i (chains, K, 2): of v_{i+1} from the lobe's reference
-    direction at x_i. lobes (chains, K): 0 diffuse, 1 reflection, 2 dielectric reflection, 3 refraction. kinds
-    (chains, K): each free direction's chart: 0 projection, 1 deviation, 2 next node, 3 + i portal i. log_pi: log of the
-    target I in scaled units; log_p: log of the independent sampler's density. factors L (chains, 2 K, 2 K): Q = L Lᵀ.
-    gradients (chains, 2 K): of the log density in the charts' coordinates, where drift is on. A path with a direction out of
-    its chart's reach (orthographic charts reach half the sphere) has kinds -1 and L = 0: only large steps move it.
+    direction at x_i. lobes (chains, K): places in ``pylmc.lobes.KINDS``, whose ``name`` says which. kinds (chains, K): each
+    free direction's chart: 0 projection, 1 deviation, 2 next node, 3 + i portal i. log_pi: log of the target I in scaled
+    units; log_p: log of the independent sampler's density. factors L (chains, 2 K, 2 K): Q = L Lᵀ. gradients (chains, 2 K):
+    of the log density in the charts' coordinates, where drift is on. A path with a direction out of its chart's reach
+    (orthographic charts reach half the sphere) has kinds -1 and L = 0: only large steps move it.
     """
 
     length: np.ndarray

@@ -85,3 +85,11 @@ def as_rgb(value: Any, what: str, upper: float | None = None) -> RGB:
     if upper is not None and np.any(rgb > upper):
         raise PylmcError(f"{what}: {value!r} exceeds {upper:g}; a surface cannot reflect more light than it receives")
     return (float(rgb[0]), float(rgb[1]), float(rgb[2]))
+
+
+def as_power(value: Any, what: str) -> RGB:
+    """A light's RGB, not all zero; or a PylmcError naming ``what``."""
+    rgb = as_rgb(value, what)
+    if max(rgb) <= 0:
+        raise PylmcError(f"{what} is zero: remove the light or give it power")
+    return rgb

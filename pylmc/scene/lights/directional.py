@@ -7,8 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ...errors import PylmcError
-from ..values import RGB, as_direction, as_rgb
+from ..values import as_direction, as_power
 from .light import INFINITY, Light, Placement
 
 
@@ -31,10 +30,7 @@ class DirectionalLight(Light):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "direction", as_direction(self.direction, "DirectionalLight.direction"))
-        irradiance: RGB = as_rgb(self.irradiance, "DirectionalLight.irradiance")
-        if max(irradiance) <= 0:
-            raise PylmcError("DirectionalLight.irradiance is zero: remove the light or give it power")
-        object.__setattr__(self, "irradiance", irradiance)
+        object.__setattr__(self, "irradiance", as_power(self.irradiance, "DirectionalLight.irradiance"))
 
     def strength(self, placement: Placement) -> np.ndarray:
         """RGB irradiance, the same at every distance."""

@@ -7,8 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ...errors import PylmcError
-from ..values import RGB, as_point, as_rgb
+from ..values import as_point, as_power
 from .light import POINT, Light, Placement
 
 
@@ -25,10 +24,7 @@ class PointLight(Light):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "position", as_point(self.position, "PointLight.position"))
-        intensity: RGB = as_rgb(self.intensity, "PointLight.intensity")
-        if max(intensity) <= 0:
-            raise PylmcError("PointLight.intensity is zero: remove the light or give it power")
-        object.__setattr__(self, "intensity", intensity)
+        object.__setattr__(self, "intensity", as_power(self.intensity, "PointLight.intensity"))
 
     def values(self, placement: Placement) -> dict[str, Any]:
         """The record's fields, by name."""

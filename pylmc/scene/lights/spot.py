@@ -8,8 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...checks import check_number
-from ...errors import PylmcError
-from ..values import RGB, as_direction, as_point, as_rgb
+from ..values import as_direction, as_point, as_power
 from .light import POINT, Light, Placement
 
 
@@ -39,10 +38,7 @@ class SpotLight(Light):
     def __post_init__(self) -> None:
         object.__setattr__(self, "position", as_point(self.position, "SpotLight.position"))
         object.__setattr__(self, "direction", as_direction(self.direction, "SpotLight.direction"))
-        intensity: RGB = as_rgb(self.intensity, "SpotLight.intensity")
-        if max(intensity) <= 0:
-            raise PylmcError("SpotLight.intensity is zero: remove the light or give it power")
-        object.__setattr__(self, "intensity", intensity)
+        object.__setattr__(self, "intensity", as_power(self.intensity, "SpotLight.intensity"))
         outer = check_number("SpotLight.outer_angle", self.outer_angle, 0.01, 180, "half-angle in degrees")
         inner = check_number("SpotLight.inner_angle", self.inner_angle, 0, outer, "half-angle in degrees, outer_angle at most,")
         object.__setattr__(self, "outer_angle", outer)

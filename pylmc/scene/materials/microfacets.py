@@ -22,3 +22,12 @@ def check_alpha(alpha: Any, what: str) -> float:
 def check_masking(masking: Any, what: str) -> None:
     if masking not in ("height-correlated", "separable"):
         raise PylmcError(f"{what}: masking {masking!r} is unknown; use 'height-correlated' or 'separable'")
+
+
+def check_ior(ior: Any, what: str) -> float:
+    """``ior`` as a float; what else is asked of it, the material says."""
+    try:
+        ior = float(ior)
+    except (TypeError, ValueError):
+        raise PylmcError(f"{what}: ior {ior!r} is not a number") from None
+    return ior

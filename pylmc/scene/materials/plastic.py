@@ -14,7 +14,7 @@ from ...lobes.coated_diffuse import coat_table
 from ..texture import Texture
 from ..values import as_rgb
 from .material import Material
-from .microfacets import MAX_IOR, check_alpha, check_masking
+from .microfacets import MAX_IOR, check_alpha, check_ior, check_masking
 
 
 @dataclass(frozen=True)
@@ -36,10 +36,7 @@ class Plastic(Material):
             object.__setattr__(self, "reflectance", as_rgb(self.reflectance, "Plastic.reflectance", 1.0))
         object.__setattr__(self, "alpha", check_alpha(self.alpha, "Plastic"))
         check_masking(self.masking, "Plastic")
-        try:
-            ior = float(self.ior)
-        except (TypeError, ValueError):
-            raise PylmcError(f"Plastic: ior {self.ior!r} is not a number") from None
+        ior = check_ior(self.ior, "Plastic")
         if not 1.001 < ior <= MAX_IOR:
             raise PylmcError(
                 f"Plastic: ior={ior:g} must be above 1, the index of a coat over air, and at most {MAX_IOR:g} (acrylic: 1.49)"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ...errors import PylmcError
 from ...lobes import DielectricReflect, DielectricTransmit, Lobe
 from .material import Material
-from .microfacets import MAX_IOR, check_alpha, check_masking
+from .microfacets import MAX_IOR, check_alpha, check_ior, check_masking
 
 
 @dataclass(frozen=True)
@@ -25,10 +25,7 @@ class RoughDielectric(Material):
     def __post_init__(self) -> None:
         object.__setattr__(self, "alpha", check_alpha(self.alpha, "RoughDielectric"))
         check_masking(self.masking, "RoughDielectric")
-        try:
-            ior = float(self.ior)
-        except (TypeError, ValueError):
-            raise PylmcError(f"RoughDielectric: ior {self.ior!r} is not a number") from None
+        ior = check_ior(self.ior, "RoughDielectric")
         if not (1 / MAX_IOR <= ior <= MAX_IOR and abs(ior - 1) > 1e-3):
             raise PylmcError(
                 f"RoughDielectric: ior={ior:g} must lie between {1 / MAX_IOR:g} and {MAX_IOR:g} and differ from 1 (glass: 1.5)"
